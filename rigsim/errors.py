@@ -1,0 +1,55 @@
+"""Every error rigsim raises on purpose.
+
+::
+
+    RigsimError
+    ├── InvalidRig            a rig, lens or pose that cannot exist
+    ├── InvalidNoise          a pixel noise that cannot exist
+    ├── InvalidRange          a range, list or quantity that cannot be read
+    ├── InvalidScene          a scene, preset or mount that cannot be used
+    ├── RenderUnavailable     no renderer of the kind asked for
+    ├── RenderMismatch        the renderer disagrees with rays or with the rig
+    ├── TriangulatorError     a triangulator that is unknown, raises, or returns the wrong thing
+    └── OutputError           a file or folder that cannot be read or written
+
+A message gives the value, the bound and the way out, in one line:
+``baseline 0 mm: must be > 0``.
+"""
+
+from __future__ import annotations
+
+
+class RigsimError(Exception):
+    """Base of all errors a user can cause; the command line prints it as one line."""
+
+
+class InvalidRig(RigsimError, ValueError):
+    """A rig, lens or pose that cannot exist."""
+
+
+class InvalidNoise(RigsimError, ValueError):
+    """A pixel noise that cannot exist."""
+
+
+class InvalidRange(RigsimError, ValueError):
+    """A range, list or quantity that cannot be read."""
+
+
+class InvalidScene(RigsimError, ValueError):
+    """A scene, preset or mount that cannot be used."""
+
+
+class RenderUnavailable(RigsimError, RuntimeError):
+    """No renderer of the kind asked for works here."""
+
+
+class RenderMismatch(RigsimError, RuntimeError):
+    """The rendered depth or frustum disagrees with rays or with the rig."""
+
+
+class TriangulatorError(RigsimError, ValueError):
+    """A triangulator that is unknown, raises, or returns the wrong thing."""
+
+
+class OutputError(RigsimError, OSError):
+    """A file or folder that cannot be read or written."""

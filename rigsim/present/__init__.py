@@ -1,0 +1,1 @@
+"""Tables to people: plots, the HTML report and console tables."""

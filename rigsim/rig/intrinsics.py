@@ -1,0 +1,152 @@
+"""One camera's lens and pixel grid.
+
+Pixel convention: integer index = pixel centre, so the image spans u from -0.5 to width - 0.5
+and its middle is ``(width - 1) / 2``, not ``width / 2``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rigsim.errors import InvalidRig
+from rigsim.rig.arrays import Array, Mask
+from rigsim.rig.distortion import BrownConrady
+
+
+@dataclass(frozen=True, slots=True)
+class Intrinsics:
+    """Pinhole camera ``u = fx x/z + cx``, ``v = fy y/z + cy`` with optional lens distortion."""
+
+    width: int
+    """Image width, px."""
+    height: int
+    """Image height, px."""
+    fx: float
+    """Focal length along u, px."""
+    fy: float
+    """Focal length along v, px."""
+    cx: float
+    """Principal point u, px (pixel centres are integers)."""
+    cy: float
+    """Principal point v, px."""
+    distortion: BrownConrady | None = None
+    """Lens distortion; None is the ideal pinhole."""
+
+    def __post_init__(self) -> None:
+        for name, size in (("width", self.width), ("height", self.height)):
+            if not float(size).is_integer() or size < 1:
+                raise InvalidRig(f"image {name} {size:g} px: must be a whole number >= 1")
+            object.__setattr__(self, name, int(size))
+        for name, value in (("fx", self.fx), ("fy", self.fy)):
+            if not (math.isfinite(value) and value > 0):
+                raise InvalidRig(f"focal length {name} {value:g} px: must be > 0")
+            object.__setattr__(self, name, float(value))
+        for name, value in (("cx", self.cx), ("cy", self.cy)):
+            if not math.isfinite(value):
+                raise InvalidRig(f"principal point {name} {value:g} px: must be a finite number")
+            object.__setattr__(self, name, float(value))
+        if self.distortion == BrownConrady():
+            object.__setattr__(self, "distortion", None)
+
+    @classmethod
+    def from_focal(
+        cls,
+        width: int,
+        height: int,
+        focal_px: float,
+        *,
+        cx: float | None = None,
+        cy: float | None = None,
+        distortion: BrownConrady | None = None,
+    ) -> Intrinsics:
+        """Square pixels and a focal length in px; the principal point defaults to the image's middle."""
+        return cls(
+            width,
+            height,
+            focal_px,
+            focal_px,
+            (width - 1) / 2 if cx is None else cx,
+            (height - 1) / 2 if cy is None else cy,
+            distortion,
+        )
+
+    @classmethod
+    def from_hfov(cls, width: int, height: int, hfov_deg: float) -> Intrinsics:
+        """Square pixels and a horizontal field of view across the full image width, deg."""
+        if not (math.isfinite(hfov_deg) and 0 < hfov_deg < 180):
+            raise InvalidRig(f"horizontal field of view {hfov_deg:g} deg: must be > 0 and < 180")
+        return cls.from_focal(width, height, width / 2 / math.tan(math.radians(hfov_deg) / 2))
+
+    @classmethod
+    def from_lens(cls, width: int, height: int, focal_mm: float, sensor_width_mm: float) -> Intrinsics:
+        """Square pixels, a focal length in mm and the active sensor width in mm."""
+        for name, value in (("focal length", focal_mm), ("sensor width", sensor_width_mm)):
+            if not (math.isfinite(value) and value > 0):
+                raise InvalidRig(f"{name} {value:g} mm: must be > 0")
+        return cls.from_focal(width, height, focal_mm * width / sensor_width_mm)
+
+    @property
+    def K(self) -> Array:
+        """Camera matrix, (3, 3), px."""
+        return np.array([[self.fx, 0.0, self.cx], [0.0, self.fy, self.cy], [0.0, 0.0, 1.0]])
+
+    @property
+    def hfov_deg(self) -> float:
+        """Horizontal field of view across the full image width, deg (ideal pinhole)."""
+        return math.degrees(
+            math.atan((self.cx + 0.5) / self.fx) + math.atan((self.width - 0.5 - self.cx) / self.fx)
+        )
+
+    @property
+    def vfov_deg(self) -> float:
+        """Vertical field of view across the full image height, deg (ideal pinhole)."""
+        return math.degrees(
+            math.atan((self.cy + 0.5) / self.fy) + math.atan((self.height - 0.5 - self.cy) / self.fy)
+        )
+
+    def project(self, points_camera: npt.ArrayLike) -> Array:
+        """Project points (..., 3) m in the camera's frame to uv (..., 2) px; NaN where z <= 0."""
+        points = np.asarray(points_camera, dtype=np.float64)
+        z = points[..., 2:]
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            normalized = np.where(z > 0, points[..., :2] / z, np.nan)
+        return self.denormalize(normalized)
+
+    def denormalize(self, normalized: npt.ArrayLike) -> Array:
+        """Map undistorted normalised coordinates (..., 2) to pixels (..., 2)."""
+        xy = np.asarray(normalized, dtype=np.float64)
+        if self.distortion is not None:
+            xy = self.distortion.distort(xy)
+        return xy * (self.fx, self.fy) + (self.cx, self.cy)
+
+    def normalize(self, uv: npt.ArrayLike) -> Array:
+        """Map pixels (..., 2) to undistorted normalised coordinates (x/z, y/z), (..., 2)."""
+        xy = (np.asarray(uv, dtype=np.float64) - (self.cx, self.cy)) / (self.fx, self.fy)
+        return xy if self.distortion is None else self.distortion.undistort(xy)
+
+    def jacobian(self, points_camera: Array) -> Array:
+        """Derivative (..., 2, 3) px/m of `project` with respect to the point; NaN where z <= 0."""
+        x, y, z = points_camera[..., 0], points_camera[..., 1], points_camera[..., 2]
+        J = np.zeros((*points_camera.shape[:-1], 2, 3))
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            inverse_z = np.where(z > 0, 1 / z, np.nan)
+            J[..., 0, 0] = inverse_z
+            J[..., 1, 1] = inverse_z
+            J[..., 0, 2] = -x * inverse_z**2
+            J[..., 1, 2] = -y * inverse_z**2
+            if self.distortion is not None:
+                normalized = points_camera[..., :2] * inverse_z[..., None]
+                J = self.distortion.jacobian(normalized) @ J
+        J[..., 0, :] *= self.fx
+        J[..., 1, :] *= self.fy
+        return J
+
+    def contains(self, uv: Array) -> Mask:
+        """Whether pixels (..., 2) lie on the image; NaN does not."""
+        u, v = uv[..., 0], uv[..., 1]
+        inside = (u >= -0.5) & (u <= self.width - 0.5) & (v >= -0.5) & (v <= self.height - 0.5)
+        return np.asarray(inside)

@@ -1,0 +1,75 @@
+"""What stands between an exact projection and a pixel position somebody measured."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from rigsim.errors import InvalidNoise
+from rigsim.rig.arrays import Array
+
+
+@dataclass(frozen=True, slots=True)
+class PixelNoise:
+    """Gaussian noise on every pixel coordinate, equal in both images."""
+
+    std_px: float
+    """Standard deviation per coordinate and image, px."""
+    correlation: float = 0.0
+    """Correlation of the left with the right image's noise, per coordinate, -1 to 1."""
+    quantization_px: float = 0.0
+    """Step the position is rounded to, px; 0 is none, 1 is whole pixels."""
+    outlier_fraction: float = 0.0
+    """Share of points whose right position is replaced by one within `outlier_px`, 0 to 1."""
+    outlier_px: float = 20.0
+    """Half width of the square from which outliers are drawn, px."""
+
+    def __post_init__(self) -> None:
+        for name, value in (
+            ("noise", self.std_px),
+            ("quantisation", self.quantization_px),
+            ("outlier size", self.outlier_px),
+        ):
+            if not (math.isfinite(value) and value >= 0):
+                raise InvalidNoise(f"{name} {value:g} px: must be >= 0 and finite")
+        if not -1 <= self.correlation <= 1:
+            raise InvalidNoise(f"noise correlation {self.correlation:g}: must be between -1 and 1")
+        if not 0 <= self.outlier_fraction <= 1:
+            raise InvalidNoise(f"outlier fraction {self.outlier_fraction:g}: must be between 0 and 1")
+
+    @property
+    def coordinate_var_px2(self) -> float:
+        """Variance of one coordinate, px^2, rounding included (uniform: step^2 / 12)."""
+        return self.std_px**2 + self.quantization_px**2 / 12
+
+    @property
+    def disparity_std_px(self) -> float:
+        """Standard deviation of ``u_left - u_right``, px; sqrt(2) of the coordinate's when uncorrelated."""
+        return math.sqrt(2 * self.std_px**2 * (1 - self.correlation) + 2 * self.quantization_px**2 / 12)
+
+    @property
+    def covariance_px2(self) -> Array:
+        """Covariance (4, 4) px^2 of (u_left, v_left, u_right, v_right)."""
+        shared = self.std_px**2 * self.correlation
+        return self.coordinate_var_px2 * np.eye(4) + shared * np.eye(4)[[2, 3, 0, 1]]
+
+    def apply(self, uv_left: Array, uv_right: Array, rng: np.random.Generator) -> tuple[Array, Array]:
+        """Noisy copies of pixel positions (..., 2)."""
+        shape = np.broadcast_shapes(uv_left.shape, uv_right.shape)
+        unit_left, unit_right = rng.standard_normal(shape), rng.standard_normal(shape)
+        if self.correlation:
+            rho = self.correlation
+            unit_right = rho * unit_left + math.sqrt(1 - rho * rho) * unit_right
+        noisy_left = uv_left + self.std_px * unit_left
+        noisy_right = uv_right + self.std_px * unit_right
+        if self.outlier_fraction:
+            outlier = rng.random(shape[:-1]) < self.outlier_fraction
+            offset = rng.uniform(-self.outlier_px, self.outlier_px, shape)
+            noisy_right = np.where(outlier[..., None], uv_right + offset, noisy_right)
+        if self.quantization_px:
+            step = self.quantization_px
+            noisy_left = np.round(noisy_left / step) * step
+            noisy_right = np.round(noisy_right / step) * step
+        return noisy_left, noisy_right

@@ -1,0 +1,74 @@
+"""How the rig that was built differs from the one that is assumed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields, replace
+
+from rigsim.errors import InvalidRig
+from rigsim.rig.distortion import BrownConrady
+from rigsim.rig.pose import Pose
+from rigsim.rig.stereo import StereoRig
+
+
+@dataclass(frozen=True, slots=True)
+class Perturbation:
+    """True rig minus assumed rig; `apply` turns the assumed rig into the true one.
+
+    The rotations turn the right camera's body about its own axes (x right, y down, z forward), by the
+    right-hand rule: positive yaw looks further right, positive pitch looks further up, positive
+    roll turns the camera clockwise as it looks.
+    """
+
+    yaw_rad: float = 0.0
+    """Right camera about its y axis (down), rad."""
+    pitch_rad: float = 0.0
+    """Right camera about its x axis (right), rad."""
+    roll_rad: float = 0.0
+    """Right camera about its z axis (forward), rad."""
+    baseline_m: float = 0.0
+    """Right camera further away along the baseline, m."""
+    axial_m: float = 0.0
+    """Right camera forward along the left camera's z axis, m."""
+    vertical_m: float = 0.0
+    """Right camera down along the left camera's y axis, m."""
+    right_focal_px: float = 0.0
+    """Right fx and fy longer by this, px."""
+    right_cx_px: float = 0.0
+    """Right principal point u greater by this, px."""
+    right_k1: float = 0.0
+    """Right radial distortion k1 greater by this."""
+    both_k1: float = 0.0
+    """Both cameras' k1 greater by this."""
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if not math.isfinite(value):
+                raise InvalidRig(f"perturbation {item.name} {value}: must be a finite number")
+
+    def apply(self, rig: StereoRig) -> StereoRig:
+        """The true rig, when `rig` is the assumed one."""
+        left_from_right = rig.right_from_left.inverse
+        along = left_from_right.t / rig.baseline_m
+        center_left = left_from_right.t + along * self.baseline_m + (0.0, self.vertical_m, self.axial_m)
+        turn = Pose.from_rotvec((self.pitch_rad, self.yaw_rad, self.roll_rad)).R
+        true_left_from_right = Pose(left_from_right.R @ turn, center_left)
+
+        d_left = rig.left.distortion or BrownConrady()
+        d_right = rig.right.distortion or BrownConrady()
+        return StereoRig(
+            replace(rig.left, distortion=replace(d_left, k1=d_left.k1 + self.both_k1)),
+            replace(
+                rig.right,
+                fx=rig.right.fx + self.right_focal_px,
+                fy=rig.right.fy + self.right_focal_px,
+                cx=rig.right.cx + self.right_cx_px,
+                distortion=replace(d_right, k1=d_right.k1 + self.both_k1 + self.right_k1),
+            ),
+            true_left_from_right.inverse,
+        )
+
+
+NAMES: tuple[str, ...] = tuple(item.name for item in fields(Perturbation))
+"""The ten quantities, in the order of the fields."""

@@ -1,0 +1,1 @@
+"""What does happen: MuJoCo scenes, rendering, rays and ground truth."""

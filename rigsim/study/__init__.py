@@ -1,0 +1,1 @@
+"""Experiments: trials, sweeps, statistics and verdicts."""

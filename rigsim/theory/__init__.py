@@ -1,0 +1,1 @@
+"""What should happen: triangulation, uncertainty, sensitivity and limits; numpy only, knows no image."""
