@@ -1,0 +1,38 @@
+"""The scenes that come with rigsim, and how a scene is found."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rigsim.errors import InvalidScene
+
+_PACKAGE = Path(__file__).resolve().parent.parent
+
+
+def models_dir() -> Path:
+    """Folder of the bundled scenes: in the package when installed, beside it in a checkout."""
+    installed = _PACKAGE / "models"
+    return installed if installed.is_dir() else _PACKAGE.parent / "models"
+
+
+def names() -> list[str]:
+    """Names of the bundled scenes."""
+    return sorted(path.parent.name for path in models_dir().glob("*/scene.xml"))
+
+
+def find(scene: str) -> Path:
+    """Path of a bundled scene's file, or of the MJCF file `scene` names.
+
+    Raises:
+        InvalidScene: there is neither.
+    """
+    if scene in names():
+        return models_dir() / scene / "scene.xml"
+    path = Path(scene)
+    if path.is_dir() and (path / "scene.xml").is_file():
+        return path / "scene.xml"
+    if path.is_file():
+        return path
+    raise InvalidScene(
+        f"unknown scene {scene!r}: no such file, and the bundled scenes are {', '.join(names())}"
+    )

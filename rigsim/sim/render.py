@@ -1,0 +1,213 @@
+"""Pictures by MuJoCo's GL renderer, with the projection read back and the depth checked against rays."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from rigsim.errors import RenderMismatch, RenderUnavailable
+from rigsim.rig.arrays import Array, Ids
+from rigsim.rig.intrinsics import Intrinsics
+from rigsim.sim import rays
+from rigsim.sim.backend import make_gl_context
+from rigsim.sim.frame import View
+from rigsim.sim.scene import Scene
+
+MAX_SIDE_PX = 16384
+"""Largest off-screen width or height the software renderers take."""
+
+_FRUSTUM_TOLERANCE_PX = 1e-3
+_CHECKED_PIXELS = 400
+_FLAT_TOLERANCE_M = 2e-5  # at 1 m and nearer; grows with depth
+_CURVED_TOLERANCE = 5e-3  # of the geom's bounding radius: chords of a 256-gon seen at a grazing angle
+_FLAT_GEOMS = (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_MESH)
+_SPARE_GEOMS = 1000
+
+
+class GlRenderer:
+    """One GL context and one model; use it in the thread that made it, and close it."""
+
+    def __init__(self, scene: Scene, backend: str, width: int, height: int) -> None:
+        """Make a renderer for pictures up to `width` x `height` px.
+
+        Raises:
+            RenderUnavailable: the size is beyond the renderer's limit, or GL does not start.
+        """
+        check_size(width, height)
+        self.name = backend
+        self._scene = scene
+        self._size = (width, height)
+        scene.model.vis.global_.offwidth = width
+        scene.model.vis.global_.offheight = height
+        self._gl: Any = make_gl_context(backend, width, height)
+        self._scn = mujoco.MjvScene(scene.model, maxgeom=scene.model.ngeom + _SPARE_GEOMS)
+        self._camera = mujoco.MjvCamera()
+        self._camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
+        self._options = scene.options
+        self._context: Any = mujoco.MjrContext(scene.model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)
+        self._context.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR
+        self._geom_of_segment: Ids | None = None
+
+    def render(self, side: int) -> View:
+        """The left (0) or right (1) camera's picture.
+
+        Raises:
+            RenderMismatch: the frustum is not the rig's.
+        """
+        lens = self._scene.lens(side)
+        if lens.width > self._size[0] or lens.height > self._size[1]:
+            raise RenderUnavailable(
+                f"picture {lens.width}x{lens.height} px: this renderer was made for "
+                f"{self._size[0]}x{self._size[1]}"
+            )
+        self._update(side)
+        check_frustum(lens, read_frustum(self._scn.camera[0], lens.width, lens.height))
+        rect = mujoco.MjrRect(0, 0, lens.width, lens.height)
+        image = np.empty((lens.height, lens.width, 3), dtype=np.uint8)
+        mujoco.mjr_render(rect, self._scn, self._context)
+        mujoco.mjr_readPixels(image, None, rect, self._context)
+        depth, segmentation = self._depth_and_segmentation(rect)
+        return View(image[::-1].copy(), depth, segmentation)
+
+    def close(self) -> None:
+        """Give the GL context back."""
+        if self._context is not None:
+            self._context.free()
+            self._gl.free()
+            self._context = None
+
+    def _update(self, side: int) -> None:
+        self._camera.fixedcamid = self._scene.camera_ids[side]
+        mujoco.mjv_updateScene(
+            self._scene.model,
+            self._scene.data,
+            self._options,
+            None,
+            self._camera,
+            mujoco.mjtCatBit.mjCAT_ALL.value,
+            self._scn,
+        )
+        self._scn.flags[mujoco.mjtRndFlag.mjRND_FOG] = 0
+
+    def _depth_and_segmentation(self, rect: Any) -> tuple[Array, Ids]:
+        """Both in one pass: with ids for colours, anti-aliasing is off and depth is at pixel centres."""
+        flags = self._scn.flags
+        flags[mujoco.mjtRndFlag.mjRND_SEGMENT] = 1
+        flags[mujoco.mjtRndFlag.mjRND_IDCOLOR] = 1
+        raw = np.empty((rect.height, rect.width), dtype=np.float32)
+        color = np.empty((rect.height, rect.width, 3), dtype=np.uint8)
+        mujoco.mjr_render(rect, self._scn, self._context)
+        mujoco.mjr_readPixels(color, raw, rect, self._context)
+        flags[mujoco.mjtRndFlag.mjRND_SEGMENT] = 0
+        flags[mujoco.mjtRndFlag.mjRND_IDCOLOR] = 0
+        segment = color[::-1].astype(np.int32) @ np.array([1, 256, 65536], dtype=np.int32)
+        segmentation = self._geom_ids()[segment]
+        depth = self._metric_depth(raw[::-1])
+        depth[segmentation < 0] = np.nan
+        return depth, segmentation
+
+    def _metric_depth(self, raw: Any) -> Array:
+        """Undo the reversed-Z projection, whose matrix GL holds in single precision."""
+        visual_map, extent = self._scene.model.vis.map, self._scene.model.stat.extent
+        near, far = np.float32(visual_map.znear * extent), np.float32(visual_map.zfar * extent)
+        scale = np.float32(0.5) * (far + near) / (far - near) - np.float32(0.5)
+        shift = far * near / (far - near)
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.float64(shift) / (raw.astype(np.float64) + np.float64(scale)))
+
+    def _geom_ids(self) -> Ids:
+        """Geom id for each segment colour; -1 for background and for what is no geom."""
+        if self._geom_of_segment is None or len(self._geom_of_segment) != self._scn.ngeom + 1:
+            table = np.full(self._scn.ngeom + 1, -1, dtype=np.int32)
+            for geom in self._scn.geoms[: self._scn.ngeom]:
+                if geom.segid >= 0 and geom.objtype == mujoco.mjtObj.mjOBJ_GEOM:
+                    table[geom.segid + 1] = geom.objid
+            self._geom_of_segment = table
+        return self._geom_of_segment
+
+
+def check_size(width: int, height: int) -> None:
+    """Refuse a picture that the software renderers cannot draw.
+
+    Raises:
+        RenderUnavailable: it is too large.
+    """
+    if max(width, height) > MAX_SIDE_PX:
+        raise RenderUnavailable(
+            f"picture {width}x{height} px: the renderer's limit is {MAX_SIDE_PX} px a side; "
+            "choose a smaller --resolution"
+        )
+
+
+def read_frustum(gl_camera: Any, width: int, height: int) -> tuple[float, float, float, float]:
+    """(fx, fy, cx, cy) px that the renderer will draw with, from its frustum."""
+    near = float(gl_camera.frustum_near)
+    tall = float(gl_camera.frustum_top) - float(gl_camera.frustum_bottom)
+    half_wide = float(gl_camera.frustum_width) or width / height * tall / 2
+    fx = near * width / (2 * half_wide)
+    fy = near * height / tall
+    cx = width / 2 - float(gl_camera.frustum_center) / near * fx - 0.5
+    cy = float(gl_camera.frustum_top) / near * fy - 0.5
+    return fx, fy, cx, cy
+
+
+def check_frustum(lens: Intrinsics, drawn: tuple[float, float, float, float]) -> None:
+    """Compare what is drawn with what was asked for, at the image's corners.
+
+    Raises:
+        RenderMismatch: they differ by more than 1e-3 px.
+    """
+    fx, fy, cx, cy = drawn
+    u, v = np.array([-0.5, lens.width - 0.5]), np.array([-0.5, lens.height - 0.5])
+    shift_u = (u - lens.cx) / lens.fx * fx + cx - u
+    shift_v = (v - lens.cy) / lens.fy * fy + cy - v
+    worst = float(max(np.abs(shift_u).max(), np.abs(shift_v).max()))
+    if not worst <= _FRUSTUM_TOLERANCE_PX:
+        raise RenderMismatch(
+            f"the renderer draws f ({fx:.4f}, {fy:.4f}) c ({cx:.4f}, {cy:.4f}) px instead of "
+            f"f ({lens.fx:.4f}, {lens.fy:.4f}) c ({lens.cx:.4f}, {lens.cy:.4f}): {worst:.2g} px apart, "
+            f"must be <= {_FRUSTUM_TOLERANCE_PX:g}; use mujoco >= 3.6, or --renderer rays"
+        )
+
+
+def check_depth(scene: Scene, side: int, view: View) -> float:
+    """Compare the rendered depth with rays at some pixels away from edges; returns the worst error, m.
+
+    Boxes, planes and meshes are exact in both; curved primitives are drawn with facets, so they
+    are only held to a share of their size.
+
+    Raises:
+        RenderMismatch: they differ by more than that.
+    """
+    inner = view.segmentation[1:-1, 1:-1]
+    calm = inner >= 0
+    for dv, du in ((0, 1), (2, 1), (1, 0), (1, 2)):
+        calm &= view.segmentation[dv : dv + inner.shape[0], du : du + inner.shape[1]] == inner
+    v, u = np.nonzero(calm)
+    if len(v) == 0:
+        return 0.0
+    # evenly spread and the same in every run
+    chosen = np.linspace(0, len(v) - 1, min(_CHECKED_PIXELS, len(v))).astype(np.int64)
+    v, u = v[chosen] + 1, u[chosen] + 1
+    exact, geom = rays.depth_at(scene, side, np.column_stack([u, v]).astype(np.float64))
+    drawn, same = view.depth[v, u], geom == view.segmentation[v, u]
+    error = np.where(same, np.abs(drawn - exact), 0.0)
+    flat = np.isin(scene.model.geom_type[geom], _FLAT_GEOMS)
+    allowed = np.where(
+        flat,
+        _FLAT_TOLERANCE_M * np.maximum(exact, 1.0),
+        _CURVED_TOLERANCE * scene.model.geom_rbound[geom],
+    )
+    wrong = (error > allowed) | ~same
+    if wrong.mean() > 0.02:
+        worst = int(np.argmax(np.where(same, error / allowed, np.inf)))
+        raise RenderMismatch(
+            f"rendered depth {drawn[worst]:.6g} m, rays say {exact[worst]:.6g} m at pixel "
+            f"({u[worst]}, {v[worst]}) of the {('left', 'right')[side]} picture "
+            f"({scene.object_name(int(geom[worst]))}); {wrong.mean():.0%} of {len(v)} pixels differ: "
+            "use --renderer rays, or report the scene"
+        )
+    return float(error[flat].max(initial=0.0))

@@ -1,0 +1,197 @@
+"""Which configurations a sweep runs, and the random stream of each."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TypeAlias
+
+import numpy as np
+
+from rigsim.errors import InvalidRange
+from rigsim.rig.arrays import Array
+from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.noise import PixelNoise
+from rigsim.rig.pose import Pose
+from rigsim.rig.stereo import StereoRig
+
+Triangulator: TypeAlias = str | Callable[[StereoRig, Array, Array], Array]
+
+MAX_POINTS = 1_000_000
+"""Most truth points of one rig: what fits in memory with room to spare."""
+
+
+@dataclass(frozen=True, slots=True)
+class RigGrid:
+    """A rig and the values its parameters take; the axes multiply. An empty axis leaves the rig's own value.
+
+    With `focals_px` the field of view changes with the resolution; otherwise the lens stays, and
+    more pixels mean a longer focal length in px.
+    """
+
+    base: StereoRig
+    """The rig that is varied."""
+    baselines_m: Sequence[float] = ()
+    """Distances between the cameras, m."""
+    focals_px: Sequence[float] = ()
+    """Focal lengths, px; excludes `hfovs_deg`."""
+    hfovs_deg: Sequence[float] = ()
+    """Horizontal fields of view, deg; excludes `focals_px`."""
+    resolutions_px: Sequence[tuple[int, int]] = ()
+    """(width, height), px."""
+    vergences_deg: Sequence[float] = ()
+    """Toe-in angles, deg."""
+
+    def __post_init__(self) -> None:
+        if self.focals_px and self.hfovs_deg:
+            raise InvalidRange("--focal and --hfov both given: they say the same thing, give one")
+
+    def __len__(self) -> int:
+        return math.prod(
+            max(len(axis), 1)
+            for axis in (
+                self.baselines_m,
+                self.focals_px,
+                self.hfovs_deg,
+                self.resolutions_px,
+                self.vergences_deg,
+            )
+        )
+
+    def __iter__(self) -> Iterator[StereoRig]:
+        for size, focal_px, hfov_deg, vergence_deg, baseline_m in itertools.product(
+            self.resolutions_px or (None,),
+            self.focals_px or (None,),
+            self.hfovs_deg or (None,),
+            self.vergences_deg or (None,),
+            self.baselines_m or (None,),
+        ):
+            yield self._rig(size, focal_px, hfov_deg, vergence_deg, baseline_m)
+
+    @property
+    def lens_note(self) -> str:
+        """What stays and what changes between resolutions."""
+        if len(self.resolutions_px) < 2:
+            return ""
+        if self.focals_px:
+            return (
+                "The focal length in pixels is fixed, so more pixels widen the field of view "
+                "(the same lens and pixel size on a larger sensor)."
+            )
+        return (
+            "The lens is fixed, so more pixels lengthen the focal length in pixels and narrow what one "
+            "pixel covers (smaller pixels on the same sensor)."
+        )
+
+    def _rig(
+        self,
+        size: tuple[int, int] | None,
+        focal_px: float | None,
+        hfov_deg: float | None,
+        vergence_deg: float | None,
+        baseline_m: float | None,
+    ) -> StereoRig:
+        left, right = (
+            _change_lens(lens, size, focal_px, hfov_deg) for lens in (self.base.left, self.base.right)
+        )
+        length = self.base.baseline_m if baseline_m is None else baseline_m
+        if vergence_deg is not None:
+            return StereoRig.verged(left, length, vergence_deg, right=right)
+        if baseline_m is None:
+            return StereoRig(left, right, self.base.right_from_left)
+        if self.base.is_rectified:
+            return StereoRig.rectified(left, length, right=right)
+        if not (math.isfinite(length) and length > 0):
+            StereoRig.rectified(left, length)  # raises with the usual words
+        pose = self.base.right_from_left
+        return StereoRig(left, right, Pose(pose.R, pose.t * (length / self.base.baseline_m)))
+
+
+def _change_lens(
+    lens: Intrinsics, size: tuple[int, int] | None, focal_px: float | None, hfov_deg: float | None
+) -> Intrinsics:
+    """The lens behind another pixel grid, or another focal length; the principal point keeps its place."""
+    if size is not None:
+        width, height = size
+        if width < 1 or height < 1:
+            raise InvalidRange(f"resolution {width}x{height}: both sides must be >= 1 px")
+        # square growth: the width sets the scale, the height is cropped or extended evenly
+        scale = width / lens.width
+        lens = replace(
+            lens,
+            width=width,
+            height=height,
+            fx=lens.fx * scale,
+            fy=lens.fy * scale,
+            cx=(lens.cx - (lens.width - 1) / 2) * scale + (width - 1) / 2,
+            cy=(lens.cy - (lens.height - 1) / 2) * scale + (height - 1) / 2,
+        )
+    if hfov_deg is not None:
+        focal_px = Intrinsics.from_hfov(lens.width, lens.height, hfov_deg).fx
+    if focal_px is not None:
+        lens = replace(lens, fx=focal_px, fy=focal_px * lens.fy / lens.fx)
+    return lens
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """All that decides the numbers of a sweep."""
+
+    scene: str = "boards"
+    """Bundled scene's name or path of an MJCF file."""
+    mount: str | None = None
+    """Where the rig sits; None for the scene's own."""
+    noises: tuple[PixelNoise, ...] = (PixelNoise(0.25),)
+    """Noise of the simulated pixel positions."""
+    triangulators: tuple[Triangulator, ...] = ("optimal",)
+    """Methods under test."""
+    range_m: tuple[float, float] | None = None
+    """Nearest and farthest depth of the truth points, m; None for all that is seen."""
+    n_points: int = 2000
+    """Truth points of one rig."""
+    n_trials: int = 100
+    """Noisy repetitions for each point."""
+    seed: int = 0
+    """Seed of every random stream."""
+    renderer: str = "auto"
+    """auto, egl, osmesa or rays."""
+    extra: dict[str, object] = field(default_factory=dict, compare=False)
+    """What the caller wants written into the provenance."""
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.n_points <= MAX_POINTS:
+            raise InvalidRange(f"points {self.n_points}: must be between 1 and {MAX_POINTS:,}")
+        if self.n_trials < 1:
+            raise InvalidRange(f"trials {self.n_trials}: must be >= 1")
+        if self.seed < 0:
+            raise InvalidRange(f"seed {self.seed}: must be >= 0")
+        if not self.noises or not self.triangulators:
+            raise InvalidRange("a sweep needs at least one noise level and one triangulator")
+        if self.range_m is not None:
+            near, far = self.range_m
+            if not (math.isfinite(far) and 0 < near < far):
+                raise InvalidRange(f"range {near:g}:{far:g} m: must be 0 < near < far")
+
+    def stream(self, purpose: str, scene: str, rig: StereoRig, *more: object) -> np.random.Generator:
+        """The random stream of one configuration: it depends on nothing else that is swept."""
+        description = (purpose, scene, *_numbers(rig), self.range_m, self.n_points, *more)
+        digest = hashlib.sha256(repr(description).encode()).digest()
+        key = tuple(int.from_bytes(digest[i : i + 4], "little") for i in range(0, 16, 4))
+        return np.random.Generator(np.random.SFC64(np.random.SeedSequence(self.seed, spawn_key=key)))
+
+
+def triangulator_label(method: Triangulator) -> str:
+    """What a triangulator is called in tables."""
+    if isinstance(method, str):
+        return method
+    return f"{getattr(method, '__module__', '?')}:{getattr(method, '__qualname__', repr(method))}"
+
+
+def _numbers(rig: StereoRig) -> Iterable[object]:
+    for lens in (rig.left, rig.right):
+        yield (lens.width, lens.height, lens.fx, lens.fy, lens.cx, lens.cy, repr(lens.distortion))
+    yield rig.right_from_left.R.ravel().tolist()
+    yield rig.right_from_left.t.tolist()

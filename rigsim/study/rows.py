@@ -1,0 +1,150 @@
+"""From error statistics to one row of a table, with prediction and simulation compared."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from rigsim.rig.arrays import Array, Ids, Mask
+from rigsim.rig.noise import PixelNoise
+from rigsim.rig.stereo import StereoRig
+from rigsim.study.result import DEPTH_COLUMNS, ROW_COLUMNS
+from rigsim.study.statistics import ErrorStatistics, ErrorSummary, summarize
+from rigsim.study.trial import LOW_DISPARITY_SIGMAS, Prediction
+
+AGREEMENT_SIGMAS = 4.0
+"""Standard errors by which prediction and simulation may differ: one false alarm in 16,000 rows."""
+
+_EXACT = 1e-9  # relative error that is arithmetic alone
+_DIGITS = 12
+
+Value = str | float | int
+Row = dict[str, Value]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Evidence:
+    """All that one row is made of; (N,) over the truth points of the rig."""
+
+    depth_m: Array
+    """True depth, m."""
+    visible: Mask
+    """Seen by both cameras."""
+    in_right_image: Mask
+    """Within the right camera's field of view, hidden or not."""
+    bins: Ids
+    """Depth bin of each point."""
+    edges_m: Array
+    """Edges of the bins, (n_bins + 1,), m."""
+    prediction: Prediction
+    """Prediction for the visible points, in their order."""
+    stats: ErrorStatistics
+    """Simulated errors of the visible points, in their order."""
+
+
+def configuration(scene: str, rig: StereoRig, noise: PixelNoise, triangulator: str) -> Row:
+    """The columns that say what a row is about."""
+    return {
+        "scene": scene,
+        "baseline_mm": _clean(rig.baseline_m * 1e3),
+        "focal_px": _clean(rig.left.fx),
+        "hfov_deg": _clean(rig.left.hfov_deg),
+        "width_px": rig.left.width,
+        "height_px": rig.left.height,
+        "vergence_deg": _clean(rig.vergence_deg) + 0.0,
+        "noise_px": noise.std_px,
+        "triangulator": triangulator,
+    }
+
+
+def overall_row(head: Row, evidence: Evidence) -> Row:
+    """The row of sweep.csv."""
+    everything = np.ones(len(evidence.depth_m), dtype=bool)
+    body = _body(evidence, everything, slice(0, len(evidence.stats.histogram)))
+    return {name: (head | body)[name] for name in ROW_COLUMNS}
+
+
+def depth_rows(head: Row, evidence: Evidence) -> list[Row]:
+    """The rows of sweep_by_depth.csv: one for each bin that holds points."""
+    rows = []
+    for i, (near, far) in enumerate(zip(evidence.edges_m[:-1], evidence.edges_m[1:], strict=True)):
+        inside = evidence.bins == i
+        if inside.any():
+            body = _body(evidence, inside, slice(i, i + 1))
+            body |= {"depth_near_mm": _clean(near * 1e3), "depth_far_mm": _clean(far * 1e3)}
+            rows.append({name: (head | body)[name] for name in DEPTH_COLUMNS})
+    return rows
+
+
+def _body(evidence: Evidence, inside: Mask, groups: slice) -> Row:
+    visible_inside = inside[evidence.visible]  # among the visible points
+    low = evidence.prediction.low_disparity
+    kept = visible_inside & ~low
+    tried = int(visible_inside.sum()) * evidence.stats.n_trials
+    row: Row = {
+        "n_points": int(inside.sum()),
+        "n_trials": evidence.stats.n_trials,
+        "visible_fraction": float((evidence.visible & inside).sum() / inside.sum()),
+        "overlap_fraction": float((evidence.in_right_image & inside).sum() / inside.sum()),
+        "failed_fraction": 1 - float(evidence.stats.count[visible_inside].sum()) / tried
+        if tried
+        else math.nan,
+        "low_disparity_fraction": float(low[visible_inside].mean()) if tried else math.nan,
+    }
+    depth_m = evidence.depth_m[evidence.visible]
+    summary = summarize(evidence.stats, depth_m, kept, groups) if kept.any() else None
+    if summary is None:
+        nothing = dict.fromkeys(ROW_COLUMNS[ROW_COLUMNS.index("depth_median_mm") :], math.nan)
+        return {**row, **nothing, "agreement": _why_nothing(tried, low[visible_inside])}
+    predicted_m = _rms(evidence.prediction.depth_rmse_m[kept])
+    slack_m = _rms((evidence.prediction.depth_rmse_m + evidence.prediction.truncation_m)[kept])
+    median_m = float(np.median(depth_m[kept]))
+    return {
+        **row,
+        "depth_median_mm": median_m * 1e3,
+        "depth_bias_mm": summary.bias_m * 1e3,
+        "depth_rmse_mm": summary.rmse_m * 1e3,
+        "depth_rmse_ci_low_mm": summary.ci_low_m * 1e3,
+        "depth_rmse_ci_high_mm": summary.ci_high_m * 1e3,
+        "depth_abs_p50_mm": summary.abs_p50_m * 1e3,
+        "depth_abs_p95_mm": summary.abs_p95_m * 1e3,
+        "depth_rmse_pct": summary.relative_rmse * 100,
+        "point_rmse_mm": summary.point_rmse_m * 1e3,
+        "predicted_depth_rmse_mm": predicted_m * 1e3,
+        "predicted_over_simulated": predicted_m / summary.rmse_m if predicted_m > 0 else math.nan,
+        "nees": summary.nees,
+        "agreement": _agreement(predicted_m, slack_m, median_m, summary),
+    }
+
+
+def _agreement(predicted_m: float, slack_m: float, median_m: float, summary: ErrorSummary) -> str:
+    """Whether prediction and simulation differ by more than noise, truncation and arithmetic explain."""
+    floor = (_EXACT * median_m) ** 2
+    allowed = AGREEMENT_SIGMAS * summary.mean_square_se_m2 + (slack_m**2 - predicted_m**2) + floor
+    difference = summary.rmse_m**2 - predicted_m**2
+    if abs(difference) <= allowed:
+        return "agrees"
+    side = "above" if difference > 0 else "below"
+    if predicted_m == 0:
+        return f"flagged: simulated error {summary.rmse_m * 1e3:.3g} mm where none is predicted"
+    percent = abs(summary.rmse_m / predicted_m - 1) * 100
+    return f"flagged: simulated error {percent:.2g} % {side} the prediction"
+
+
+def _why_nothing(tried: int, low: Mask) -> str:
+    if not tried:
+        return "flagged: left and right share nothing"
+    if low.all():
+        return f"flagged: every disparity is below {LOW_DISPARITY_SIGMAS:g} sigma"
+    return "flagged: every triangulation failed"
+
+
+def _rms(values: Array) -> float:
+    return math.sqrt(float(np.mean(values**2)))
+
+
+def _clean(value: float) -> float:
+    """The value without the last digits' rounding noise: 150, not 149.99999999999997."""
+    return float(f"{value:.{_DIGITS}g}")

@@ -1,0 +1,147 @@
+"""The sweep: many rigs in one scene, predicted and simulated, in tables and words."""
+
+from __future__ import annotations
+
+import math
+import platform
+from collections.abc import Callable, Iterable
+from importlib.metadata import version
+
+import numpy as np
+import pandas as pd
+
+from rigsim.errors import InvalidRange, InvalidScene
+from rigsim.rig.stereo import StereoRig
+from rigsim.sim.simulator import Simulator
+from rigsim.study import verdict as words
+from rigsim.study.executor import run_all
+from rigsim.study.geometry import Look, look, simulate
+from rigsim.study.plan import Plan, RigGrid, triangulator_label
+from rigsim.study.result import AXES, DEPTH_COLUMNS, ROW_COLUMNS, Showcase, SweepResult
+from rigsim.study.rows import Row
+from rigsim.theory.triangulation import resolve
+
+_PACKAGES = ("mujoco", "numpy", "scipy", "pandas", "matplotlib")
+
+
+def sweep(
+    rigs: RigGrid | Iterable[StereoRig],
+    plan: Plan | None = None,
+    *,
+    jobs: int = 1,
+    progress: Callable[[int], None] | None = None,
+) -> SweepResult:
+    """Predict and simulate every rig in the scene, beside each other.
+
+    Args:
+        rigs: a `RigGrid`, or any rigs.
+        plan: scene, noise, triangulators, points, trials and seed.
+        jobs: processes; the numbers do not depend on it.
+        progress: called with the number of rigs done. When it or a worker is interrupted
+            (KeyboardInterrupt), the result holds what is done by then.
+
+    Raises:
+        InvalidScene: the scene cannot be used, or no rig sees anything with both cameras.
+        TriangulatorError: a triangulator is unknown, raises or returns the wrong thing.
+        RenderUnavailable: the renderer asked for does not work here.
+    """
+    plan = plan or Plan()
+    if jobs < 1:
+        raise InvalidRange(f"jobs {jobs}: must be >= 1")
+    for method in plan.triangulators:
+        resolve(method)  # fail before anything is drawn
+    todo = rigs if isinstance(rigs, RigGrid) else list(rigs)
+    if len(todo) == 0:
+        raise InvalidRange("no rig to sweep: give at least one")
+    rows: list[Row] = []
+    by_depth: list[Row] = []
+    done: list[StereoRig] = []
+    with Simulator(plan.scene, plan.mount, plan.renderer) as simulator:
+        complete = True
+        outcomes = run_all(todo, plan, jobs, simulator)
+        try:
+            for rig, outcome in zip(todo, outcomes, strict=True):
+                rows.extend(outcome.rows)
+                by_depth.extend(outcome.by_depth)
+                done.append(rig)
+                if progress:
+                    progress(len(done))
+        except KeyboardInterrupt:
+            outcomes.close()
+            if not done:
+                raise
+            complete = False
+        lens_note = rigs.lens_note if isinstance(rigs, RigGrid) else ""
+        return _conclude(rows, by_depth, done, plan, simulator, lens_note, complete)
+
+
+def _conclude(
+    rows: list[Row],
+    by_depth: list[Row],
+    rigs: list[StereoRig],
+    plan: Plan,
+    simulator: Simulator,
+    lens_note: str,
+    complete: bool,
+) -> SweepResult:
+    table = pd.DataFrame(rows, columns=list(ROW_COLUMNS))
+    depth_table = pd.DataFrame(by_depth, columns=list(DEPTH_COLUMNS))
+    order = words.rank(table)
+    if not order:
+        reasons = "; ".join(sorted({str(reason).removeprefix("flagged: ") for reason in table["agreement"]}))
+        raise InvalidScene(
+            f"scene {simulator.scene.name}: {reasons}: choose a smaller --baseline, another --range, "
+            "or another --mount"
+        )
+    swept = words.swept_axes(table, ("baseline_mm", "hfov_deg", "width_px") if lens_note else AXES)
+    per_rig = len(plan.noises) * len(plan.triangulators)
+    return SweepResult(
+        rows=table,
+        by_depth=depth_table,
+        swept=swept,
+        best=order,
+        limits=words.limits(table),
+        lens_note=lens_note,
+        showcase=_showcase(simulator, rigs[order[0] // per_rig], order[0], plan),
+        verdict=words.judge(table, depth_table, swept, order[0], lens_note, complete),
+        provenance=provenance(plan, simulator),
+        complete=complete,
+    )
+
+
+def _showcase(simulator: Simulator, rig: StereoRig, row: int, plan: Plan) -> Showcase:
+    """The best configuration once more, with its pictures and point by point: the streams repeat it."""
+    seen: Look = look(simulator, rig, plan)
+    truth = seen.truth
+    label_index = row % len(plan.triangulators)
+    noise = plan.noises[row // len(plan.triangulators) % len(plan.noises)]
+    _, stats = simulate(simulator, rig, truth, noise, plan, np.zeros(len(truth.visible), dtype=np.int32))
+    label = triangulator_label(plan.triangulators[label_index])
+    depth_rmse_m = np.full(len(truth.visible), math.nan)
+    depth_rmse_m[truth.visible] = stats[label].depth_rmse_m
+    return Showcase(
+        row=row,
+        rig=rig,
+        noise=noise,
+        image_left=seen.frame.left.image,
+        image_right=seen.frame.right.image,
+        points_left=truth.points_left,
+        visible=truth.visible,
+        depth_rmse_m=depth_rmse_m,
+    )
+
+
+def provenance(plan: Plan, simulator: Simulator) -> dict[str, object]:
+    """What made the numbers: versions, renderer, seed."""
+    return {
+        "rigsim": version("rigsim"),
+        "python": platform.python_version(),
+        **{name: version(name) for name in _PACKAGES},
+        "renderer": simulator.gl_renderer,
+        "scene": simulator.scene.name,
+        "mount": simulator.scene.mount,
+        "seed": plan.seed,
+        "points": plan.n_points,
+        "trials": plan.n_trials,
+        **plan.extra,
+    }

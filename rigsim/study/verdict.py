@@ -1,0 +1,199 @@
+"""The answer in words: which configuration is best, what limits it, and whether the witnesses agree."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from rigsim.study.result import AXES, Verdict
+
+WELL_COVERED = 0.8
+"""A configuration must keep this share of the best coverage to be called best."""
+
+_LOW_DISPARITY = 0.05
+_FAILED = 0.01
+_BIASED = 0.3
+
+_AXIS_WORDS = {
+    "baseline_mm": ("baseline", "mm"),
+    "focal_px": ("focal length", "px"),
+    "hfov_deg": ("field of view", "deg"),
+    "width_px": ("image width", "px"),
+    "height_px": ("image height", "px"),
+    "vergence_deg": ("vergence", "deg"),
+    "noise_px": ("noise", "px"),
+    "triangulator": ("triangulator", ""),
+}
+
+
+def swept_axes(rows: pd.DataFrame, order: tuple[str, ...]) -> tuple[str, ...]:
+    """Axes that take more than one value, without those that merely follow another.
+
+    Args:
+        rows: sweep table.
+        order: the axes that were asked for, which are preferred to those that follow them.
+    """
+    varied = [axis for axis in (*order, *(a for a in AXES if a not in order)) if rows[axis].nunique() > 1]
+    swept: list[str] = []
+    for axis in varied:
+        followers = rows.groupby(swept, sort=False)[axis].nunique().max() if swept else 2
+        if followers > 1:
+            swept.append(axis)
+    return tuple(sorted(swept, key=AXES.index))
+
+
+def limits(rows: pd.DataFrame) -> tuple[str, ...]:
+    """What limits each row, in a word or two."""
+    coverage = rows["visible_fraction"].max()
+    words = []
+    for row in rows.itertuples():
+        if not row.depth_rmse_mm >= 0:
+            words.append("no result")
+        elif row.failed_fraction > _FAILED:
+            words.append("failed points")
+        elif row.visible_fraction < WELL_COVERED * coverage:
+            words.append("overlap")
+        elif row.low_disparity_fraction > _LOW_DISPARITY:
+            words.append("low disparity")
+        elif abs(row.depth_bias_mm) > _BIASED * row.depth_rmse_mm:
+            words.append("bias")
+        else:
+            words.append("pixel noise")
+    return tuple(words)
+
+
+def rank(rows: pd.DataFrame) -> tuple[int, ...]:
+    """Places of the rows, best first: smallest depth error among those that cover enough and are not flagged.
+
+    Noise is a circumstance, not a choice: only rows of the middle noise level compete.
+    """
+    noises = sorted(rows["noise_px"].unique())
+    compete = rows[(rows["noise_px"] == noises[(len(noises) - 1) // 2]) & rows["depth_rmse_mm"].notna()]
+    enough = compete["visible_fraction"] >= WELL_COVERED * compete["visible_fraction"].max()
+    agrees = compete["agreement"] == "agrees"
+    order = (
+        compete.assign(poor=~enough, doubtful=~agrees)
+        .sort_values(["doubtful", "poor", "depth_rmse_mm"], kind="stable")
+        .index
+    )
+    return tuple(int(i) for i in order)
+
+
+def judge(
+    rows: pd.DataFrame,
+    by_depth: pd.DataFrame,
+    swept: tuple[str, ...],
+    best: int,
+    lens_note: str,
+    complete: bool,
+) -> Verdict:
+    """Put the sweep into sentences."""
+    flagged = rows["agreement"] != "agrees"
+    row = rows.loc[best]
+    sentences = [
+        *_trend(rows, swept, best),
+        _agreement(rows, flagged),
+        *_coverage(rows, swept),
+        *_low_disparity(row),
+    ]
+    if lens_note:
+        sentences.append(lens_note)
+    if not complete:
+        sentences.insert(0, "The run was interrupted: only the rigs done until then are shown.")
+    return Verdict(_headline(row, by_depth), tuple(sentences), not bool(flagged.any()))
+
+
+def describe(row: pd.Series, axes: tuple[str, ...]) -> str:
+    """The row's values on some axes, as a person would say them."""
+    return ", ".join(_say(axis, row[axis]) for axis in axes)
+
+
+def _headline(row: pd.Series, by_depth: pd.DataFrame) -> str:
+    key = ["scene", *AXES]
+    bins = by_depth[(by_depth[key] == row[key]).all(axis=1) & by_depth["depth_rmse_mm"].notna()]
+    middle = bins[bins["depth_far_mm"] >= row["depth_median_mm"]].iloc[0]
+    n = round(row["n_points"] * row["visible_fraction"])
+    near, far = middle["depth_near_mm"] / 1e3, middle["depth_far_mm"] / 1e3
+    return (
+        f"At {near:.3g} to {far:.3g} m, {row['baseline_mm']:.4g} mm of baseline gives "
+        f"{_mm(middle['depth_rmse_mm'])} RMS depth error; "
+        f"predicted {_mm(middle['predicted_depth_rmse_mm'])}; "
+        + (
+            f"simulated on {n} points of `{row['scene']}` and in agreement."
+            if row["agreement"] == "agrees"
+            else f"simulated on {n} points of `{row['scene']}`, and {row['agreement']}."
+        )
+    )
+
+
+def _trend(rows: pd.DataFrame, swept: tuple[str, ...], best: int) -> list[str]:
+    """How the error moves along the first numeric axis, the others held at the best row's values."""
+    numeric = [axis for axis in swept if axis != "triangulator"]
+    if not numeric:
+        return []
+    axis = numeric[0]
+    others = [other for other in swept if other != axis]
+    line = rows[(rows[others] == rows.loc[best, others]).all(axis=1)] if others else rows
+    line = line[line["depth_rmse_mm"].notna()].sort_values(axis, kind="stable")
+    if len(line) < 2:
+        return []
+    first, last = line.iloc[0], line.iloc[-1]
+    verb = "falls" if last["depth_rmse_mm"] < first["depth_rmse_mm"] else "rises"
+    held = f" (at {describe(rows.loc[best], tuple(others))})" if others else ""
+    return [
+        f"From {_say(axis, first[axis])} to {_say(axis, last[axis])}{held}, the depth error over the whole "
+        f"scene {verb} from {_mm(first['depth_rmse_mm'])} to {_mm(last['depth_rmse_mm'])} RMS."
+    ]
+
+
+def _agreement(rows: pd.DataFrame, flagged: pd.Series) -> str:
+    ratio = rows["predicted_over_simulated"].dropna()
+    span = f"predicted over simulated {ratio.min():.3f} to {ratio.max():.3f}" if len(ratio) else ""
+    if not flagged.any():
+        if len(rows) == 1:
+            return (
+                f"Prediction and simulation agree within their confidence interval ({span})."
+                if span
+                else ("Prediction and simulation agree.")
+            )
+        return f"Prediction and simulation agree in all {len(rows)} rows" + (f" ({span})." if span else ".")
+    reasons = rows.loc[flagged, "agreement"].str.removeprefix("flagged: ").value_counts()
+    return (
+        f"{int(flagged.sum())} of {len(rows)} {'rows is' if flagged.sum() == 1 else 'rows are'} flagged: "
+        f"{reasons.index[0]}" + (" and others." if len(reasons) > 1 else ".")
+    )
+
+
+def _coverage(rows: pd.DataFrame, swept: tuple[str, ...]) -> list[str]:
+    coverage = rows["visible_fraction"]
+    poor = coverage < WELL_COVERED * coverage.max()
+    if not poor.any():
+        return [f"Both cameras see {coverage.min():.0%} or more of the points that the left one sees."]
+    worst = rows.loc[coverage.idxmin()]
+    return [
+        f"The cameras share least at {describe(worst, swept) or 'this rig'}: both see only "
+        f"{worst['visible_fraction']:.0%} of what the left one sees, against {coverage.max():.0%} at best; "
+        f"rows under {WELL_COVERED:.0%} of the best coverage are not called best."
+    ]
+
+
+def _low_disparity(row: pd.Series) -> list[str]:
+    if not row["low_disparity_fraction"] > 0:
+        return []
+    return [
+        f"At the best rig {row['low_disparity_fraction']:.1%} of the points have a disparity under "
+        "4 standard deviations of its noise; they are counted, but kept out of the RMS."
+    ]
+
+
+def _say(axis: str, value: object) -> str:
+    words, unit = _AXIS_WORDS[axis]
+    if axis == "triangulator":
+        return f"`{value}`"
+    return f"{value:.4g} {unit} of {words}"
+
+
+def _mm(value: float) -> str:
+    """Millimetres with three digits; metres from 1 m on."""
+    if abs(value) >= 1000:
+        return f"{value / 1000:.3g} m"
+    return f"{value:.3g} mm"
