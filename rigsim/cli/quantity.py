@@ -1,0 +1,264 @@
+"""Quantities, ranges and pairs as people type them: ``120``, ``12cm``, ``50:500``, ``0.5:5m``, ``640x480``.
+
+A range is ``a:b`` (10 even values, both ends), ``a:b:step``, ``a:b/count``, a list ``a,b,c``, or one
+value. A part without a unit takes the unit of the next part that has one (``0.5:5m``), a step
+that of its range's end; failing that the option's own. The arithmetic is exact: ``0.1:0.5:0.1`` holds
+0.3, not 0.30000000000000004.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+from types import MappingProxyType
+
+from rigsim.errors import InvalidRange
+
+MAX_VALUES = 1_000_000
+"""More values than this in one range are a slip of the pen."""
+DEFAULT_COUNT = 10
+"""Values of ``a:b``."""
+
+_NUMBER = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*([a-zA-Zµμ°]*)")
+_NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)[a-z]*", re.IGNORECASE)
+_LARGEST_EXPONENT = 300
+_HIT = Fraction(1, 10**9)
+
+_LENGTHS = MappingProxyType(
+    {
+        "um": Fraction(1, 1000),
+        "µm": Fraction(1, 1000),
+        "μm": Fraction(1, 1000),
+        "mm": Fraction(1),
+        "cm": Fraction(10),
+        "m": Fraction(1000),
+    }
+)
+_PIXELS = MappingProxyType({"px": Fraction(1)})
+_ANGLES = MappingProxyType({"deg": Fraction(1), "°": Fraction(1)})
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """What an option measures: its name in messages, its units and its bounds."""
+
+    name: str
+    """Name in messages: ``baseline``."""
+    plain: str
+    """Unit of a number without one."""
+    factors: Mapping[str, Fraction]
+    """Known units, each as a multiple of the result's."""
+    above: float | None = None
+    """Values must be greater, in the result's unit."""
+    at_least: float | None = None
+    """Values must be this or greater, in the result's unit."""
+    below: float | None = None
+    """Values must be less, in the result's unit."""
+
+
+# lengths come out in mm, angles in deg, the rest in px
+BASELINE = Kind("baseline", "mm", _LENGTHS, above=0)
+DEPTH = Kind("depth", "mm", _LENGTHS, above=0)
+SENSOR_WIDTH = Kind("sensor width", "mm", _LENGTHS, above=0)
+PIXEL_PITCH = Kind("pixel pitch", "um", _LENGTHS, above=0)
+FOCAL_MM = Kind("focal length", "mm", _LENGTHS, above=0)
+FOCAL_PX = Kind("focal length", "px", _PIXELS, above=0)
+HFOV = Kind("horizontal field of view", "deg", _ANGLES, above=0, below=180)
+VERGENCE = Kind("vergence", "deg", _ANGLES, above=-180, below=180)
+NOISE = Kind("noise", "px", _PIXELS, at_least=0)
+DISPARITY = Kind("disparity", "px", _PIXELS)
+
+
+def value(text: str, kind: Kind) -> float:
+    """One quantity; lengths in mm, angles in deg, the rest in px.
+
+    Raises:
+        InvalidRange: no such quantity, or out of `kind`'s bounds.
+    """
+    return _bounded(_parts([text], kind)[0], kind)
+
+
+def values(text: str, kind: Kind) -> tuple[float, ...]:
+    """The values of a range, a list or one quantity, in order; units as in `value`.
+
+    Raises:
+        InvalidRange: nothing like a range, empty, reversed, too many or repeated values, out of bounds.
+    """
+    if ":" not in text:
+        listed = tuple(_bounded(part, kind) for part in _parts(text.split(","), kind))
+        for place, item in enumerate(listed):
+            if item in listed[:place]:
+                raise InvalidRange(f"{kind.name} {text}: {_say(item, kind)} stands there twice; remove one")
+        return listed
+    if "," in text:
+        raise InvalidRange(f"{kind.name} {text}: a range or a list, not both; write a:b or a,b,c")
+    return _range(text, kind)
+
+
+def span(text: str, kind: Kind) -> tuple[float, float]:
+    """Two ends ``a:b`` with a < b; units as in `value`.
+
+    Raises:
+        InvalidRange: not two ends in order.
+    """
+    ends = text.split(":")
+    if len(ends) != 2 or "/" in text:
+        raise InvalidRange(
+            f"{kind.name} range {text or 'empty'}: must be two ends; write near:far, as in 0.5:5m"
+        )
+    start, stop = _parts(ends, kind)
+    _check_order(start, stop, text, kind)
+    return _bounded(start, kind), _bounded(stop, kind)
+
+
+def focal_lengths(text: str) -> tuple[tuple[float, ...], str]:
+    """Focal lengths and their unit, ``"px"`` or ``"mm"``: a number without a unit is in px.
+
+    Raises:
+        InvalidRange: as `values`; px and lengths mixed.
+    """
+    written = {
+        match[1] for match in re.finditer(r"[0-9.]\s*([a-zA-Zµμ°]+)", re.sub(r"[eE][+-]?[0-9]", "", text))
+    }
+    if written & set(_LENGTHS):
+        if "px" in written:
+            raise InvalidRange(f"focal length {text}: px or mm, not both")
+        return values(text, FOCAL_MM), "mm"
+    if written - {"px"}:
+        raise InvalidRange(f"focal length {text}: unknown unit {min(written)!r}; write px, mm, cm or m")
+    return values(text, FOCAL_PX), "px"
+
+
+def resolutions(text: str) -> tuple[tuple[int, int], ...]:
+    """Image sizes ``WIDTHxHEIGHT`` separated by commas, px.
+
+    Raises:
+        InvalidRange: not whole numbers >= 1, or one size twice.
+    """
+    sizes: list[tuple[int, int]] = []
+    for part in text.split(","):
+        match = re.fullmatch(r"\s*([0-9]{1,9})\s*[xX×]\s*([0-9]{1,9})\s*", part)
+        if match is None:
+            raise InvalidRange(f"resolution {part.strip() or 'empty'}: must be WIDTHxHEIGHT, as in 1280x720")
+        width, height = int(match[1]), int(match[2])
+        if width < 1 or height < 1:
+            raise InvalidRange(f"resolution {width}x{height} px: width and height must be >= 1")
+        if (width, height) in sizes:
+            raise InvalidRange(f"resolution {text}: {width}x{height} stands there twice; remove one")
+        sizes.append((width, height))
+    return tuple(sizes)
+
+
+def point(text: str, name: str) -> tuple[float, float]:
+    """A position ``u,v`` in an image, px; `name` says which in the message.
+
+    Raises:
+        InvalidRange: not two finite numbers.
+    """
+    kind = Kind(name, "px", _PIXELS)
+    parts = text.split(",")
+    if len(parts) != 2:
+        raise InvalidRange(f"{name} {text or 'empty'}: must be two numbers u,v, as in 980,500")
+    u, v = (value(part, kind) for part in parts)
+    return u, v
+
+
+def _range(text: str, kind: Kind) -> tuple[float, ...]:
+    body, slash, count_text = text.partition("/")
+    ends = body.split(":")
+    if len(ends) > 3 or (slash and len(ends) != 2):
+        raise InvalidRange(f"{kind.name} {text}: must be a:b, a:b:step or a:b/count")
+    start, stop, *rest = _parts(ends, kind)
+    _check_order(start, stop, text, kind)
+    if rest:
+        return _stepped(start, stop, rest[0], text, kind)
+    count = DEFAULT_COUNT
+    if slash:
+        if not re.fullmatch(r"\s*[0-9]{1,18}\s*", count_text) or int(count_text) < 2:
+            raise InvalidRange(
+                f"{kind.name} {text}: count {count_text.strip() or 'empty'} must be a whole number >= 2"
+            )
+        count = int(count_text)
+    return _spread(start, stop, count, text, kind)
+
+
+def _stepped(start: Fraction, stop: Fraction, step: Fraction, text: str, kind: Kind) -> tuple[float, ...]:
+    if step <= 0:
+        raise InvalidRange(f"{kind.name} {text}: step {_say(step, kind)} must be > 0")
+    steps = (stop - start) / step
+    if abs(steps - round(steps)) <= _HIT * steps and round(steps) >= 1:
+        return _spread(start, stop, round(steps) + 1, text, kind)
+    if steps < 1:
+        raise InvalidRange(
+            f"{kind.name} {text}: step {_say(step, kind)} must be <= {_say(stop - start, kind)}"
+        )
+    return _spread(start, start + int(steps) * step, int(steps) + 1, text, kind)
+
+
+def _spread(start: Fraction, stop: Fraction, count: int, text: str, kind: Kind) -> tuple[float, ...]:
+    if count > MAX_VALUES:
+        raise InvalidRange(f"{kind.name} {text}: {count} values, must be <= {MAX_VALUES}; take a longer step")
+    _bounded(start, kind)
+    _bounded(stop, kind)
+    return tuple(float(start + (stop - start) * i / (count - 1)) for i in range(count))
+
+
+def _parts(texts: Sequence[str], kind: Kind) -> list[Fraction]:
+    """Exact values in the result's unit of the parts of one range or list."""
+    read = [_number(text.strip(), kind) for text in texts]
+    numbers: list[Fraction] = []
+    for place, (number, written) in enumerate(read):
+        unit = written or next((later for _, later in read[place:] if later), "")
+        if not unit and place == 2:
+            unit = read[1][1]  # a step without a unit, in the unit of its end
+        numbers.append(number * kind.factors[unit or kind.plain])
+    return numbers
+
+
+def _number(text: str, kind: Kind) -> tuple[Fraction, str]:
+    match = _NUMBER.fullmatch(text)
+    units = ", ".join(dict.fromkeys(unit for unit in kind.factors if unit.isascii()))
+    if match is None:
+        if _NOT_FINITE.fullmatch(text):
+            raise InvalidRange(f"{kind.name} {text}: must be a finite number")
+        raise InvalidRange(
+            f"{kind.name} {text or 'empty'}: must be a number, in {kind.plain} or with a unit ({units})"
+        )
+    unit = match[2]
+    if unit and unit not in kind.factors:
+        raise InvalidRange(f"{kind.name} {text}: unknown unit {unit!r}; write one of {units}")
+    number = Decimal(match[1])
+    if number and abs(number.adjusted()) > _LARGEST_EXPONENT:
+        raise InvalidRange(
+            f"{kind.name} {text}: must be between 1e-{_LARGEST_EXPONENT} and 1e{_LARGEST_EXPONENT}"
+        )
+    return Fraction(number), unit
+
+
+def _check_order(start: Fraction, stop: Fraction, text: str, kind: Kind) -> None:
+    if stop == start:
+        raise InvalidRange(f"{kind.name} {text}: the end must be > the start; write one value instead")
+    if stop < start:
+        raise InvalidRange(
+            f"{kind.name} {text}: end {_say(stop, kind)} must be > start {_say(start, kind)}; swap them"
+        )
+
+
+def _bounded(number: Fraction, kind: Kind) -> float:
+    result = float(number)
+    bounds = (
+        (kind.above is not None and not result > kind.above, ">", kind.above),
+        (kind.at_least is not None and not result >= kind.at_least, ">=", kind.at_least),
+        (kind.below is not None and not result < kind.below, "<", kind.below),
+    )
+    for broken, sign, bound in bounds:
+        if broken:
+            raise InvalidRange(f"{kind.name} {_say(number, kind)}: must be {sign} {bound:g}")
+    return result
+
+
+def _say(number: Fraction | float, kind: Kind) -> str:
+    return f"{float(number) / float(kind.factors[kind.plain]):.12g} {kind.plain}"

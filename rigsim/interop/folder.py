@@ -1,0 +1,151 @@
+"""Output folders: written whole or not at all.
+
+Files are completed under temporary names on the same disk and moved into place, so a killed run
+leaves no half file, and a full disk leaves nothing.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import secrets
+import shutil
+from collections.abc import Collection, Mapping
+from pathlib import Path
+
+from rigsim.errors import OutputError
+
+NEEDED_BYTES = 16_000_000
+"""Free space asked for before a run starts: a report with its pictures and tables, generously."""
+
+_REASONS = {
+    errno.ENOSPC: "the disk is full; free some space or choose another folder",
+    errno.EDQUOT: "the disk quota is used up; free some space or choose another folder",
+    errno.EROFS: "the disk is read-only; choose another folder",
+    errno.EACCES: "permission denied; choose another folder",
+    errno.EPERM: "permission denied; choose another folder",
+    errno.ENAMETOOLONG: "the name is too long; choose another folder",
+}
+
+
+def check_output(
+    path: Path, force: bool = False, *, names: Collection[str] = (), needed_bytes: int = NEEDED_BYTES
+) -> None:
+    """Fail before the work rather than after it when `path` cannot take the files called `names`.
+
+    Raises:
+        OutputError: not a folder, not writable, not empty without `force`, or the disk is full.
+    """
+    try:
+        _check(path, force, names, needed_bytes)
+    except OSError as error:
+        if isinstance(error, OutputError):
+            raise
+        raise _explained(path, error) from None
+
+
+def write_folder(path: Path, files: Mapping[str, bytes], force: bool = False) -> None:
+    """Write `files` (name to content) into the folder `path`, made with its parents when missing.
+
+    A new folder appears whole. With `force` the files are replaced one by one, each whole, and
+    files of other names stay.
+
+    Raises:
+        OutputError: as `check_output`; nothing half-written is left.
+        ValueError: a name is not a plain file name.
+    """
+    for name in files:
+        if name in ("", ".", "..") or Path(name).name != name:
+            raise ValueError(f"file name {name!r}: must be plain, without a folder")
+    check_output(path, force, names=files, needed_bytes=0)
+    made: list[Path] = []
+    temporary: Path | None = None
+    try:
+        made = _make_parents(path)
+        is_new = not path.exists()
+        temporary = _temporary_beside(path)
+        for name, content in files.items():
+            _write_through(temporary / name, content)
+        if is_new:
+            os.rename(temporary, path)  # refused by the system when the folder has been filled meanwhile
+            temporary, made = None, []
+        else:
+            if not force and any(entry != temporary for entry in path.iterdir()):
+                raise OSError(errno.ENOTEMPTY, os.strerror(errno.ENOTEMPTY))
+            for name in files:
+                os.replace(temporary / name, path / name)
+    except OSError as error:
+        raise _explained(path, error) from None
+    finally:
+        if temporary is not None:
+            shutil.rmtree(temporary, ignore_errors=True)
+            if not path.exists():
+                _remove_empty(made)
+
+
+def _check(path: Path, force: bool, names: Collection[str], needed_bytes: int) -> None:
+    if path.is_dir():
+        held = sorted(entry.name for entry in path.iterdir())
+        if held and not force:
+            some = ", ".join(held[:3]) + (", ..." if len(held) > 3 else "")
+            raise OutputError(
+                f"output folder {path}: already holds {some}; choose another one, or add --force to replace"
+                " rigsim's files"
+            )
+        for name in names:
+            if (path / name).is_dir():
+                raise OutputError(
+                    f"output folder {path}: {name} is a folder there; choose another output folder"
+                )
+        ground = path
+    elif path.exists() or path.is_symlink():
+        raise OutputError(f"output folder {path}: is a file; choose a folder")
+    else:
+        ground = next(parent for parent in path.absolute().parents if parent.exists())
+        if not ground.is_dir():
+            raise OutputError(f"output folder {path}: {ground} is a file; choose another folder")
+    if not os.access(ground, os.W_OK | os.X_OK):
+        raise OutputError(f"output folder {path}: {ground} is not writable; choose another folder")
+    free = shutil.disk_usage(ground).free
+    if free < needed_bytes:
+        raise OutputError(
+            f"output folder {path}: {free / 1e6:.1f} MB are free on its disk, must be >="
+            f" {needed_bytes / 1e6:.0f} MB; free some space or choose another folder"
+        )
+
+
+def _make_parents(path: Path) -> list[Path]:
+    """Make the missing parents, and name those that were made, innermost first."""
+    missing = [parent for parent in path.absolute().parents if not parent.exists()]
+    path.absolute().parent.mkdir(parents=True, exist_ok=True)
+    return missing
+
+
+def _temporary_beside(path: Path) -> Path:
+    """A new hidden folder on `path`'s own disk; not tempfile's, whose mode would outlive the move."""
+    name = f".rigsim-{secrets.token_hex(4)}.tmp"
+    temporary = path / name if path.exists() else path.absolute().parent / name
+    temporary.mkdir()
+    return temporary
+
+
+def _write_through(path: Path, content: bytes) -> None:
+    with path.open("xb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())  # some disks say only now that they are full
+
+
+def _remove_empty(folders: list[Path]) -> None:
+    for folder in folders:
+        try:
+            folder.rmdir()
+        except OSError:
+            return
+
+
+def _explained(path: Path, error: OSError) -> OutputError:
+    if error.errno in (errno.EEXIST, errno.ENOTEMPTY):
+        return OutputError(f"output folder {path}: another run has just filled it; choose another one")
+    reason = _REASONS.get(error.errno or 0, f"{error.strerror or error}; choose another folder")
+    return OutputError(f"output folder {path}: {reason}")

@@ -1,0 +1,152 @@
+"""rig.toml: a stereo rig as a file people write and read.
+
+Short form, two equal cameras::
+
+    baseline_mm = 120.0
+    width_px = 1280
+    height_px = 720
+    focal_px = 900.0        # or hfov_deg, or focal_mm with sensor_width_mm
+    vergence_deg = 0.0      # optional
+    cx_px = 639.5           # optional, the image's middle by default
+    cy_px = 359.5
+
+Full form, any two cameras: ``[left]`` and ``[right]`` hold ``width_px, height_px, fx_px, fy_px,
+cx_px, cy_px`` and optionally ``[left.distortion]`` ``k1, k2, p1, p2, k3``; ``[right_from_left]`` holds
+``R`` (3 x 3) or ``rotvec_deg``, and ``t_mm``.
+
+Numbers are read and scaled as decimals, so what was written is read back bit for bit.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable
+from decimal import Decimal
+from pathlib import Path
+
+from rigsim.errors import InvalidRig, OutputError
+from rigsim.interop.rig_schema import LARGEST, rig_from_table
+from rigsim.rig.arrays import Array
+from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.stereo import StereoRig
+
+_PREAMBLE = """\
+# rigsim stereo rig. Lengths in mm, angles in deg, the rest in px; integer pixel = pixel centre.
+# Camera axes: x right, y down, z forward; the left camera is the reference.
+"""
+
+
+def read_rig(path: Path) -> StereoRig:
+    """The rig in the file `path`, short or full form.
+
+    Raises:
+        OutputError: the file cannot be read.
+        InvalidRig: no TOML, unknown or missing keys, values out of bounds; the message names file and key.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError:
+        raise InvalidRig(f"{path}: is not TOML (not UTF-8 text)") from None
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be read ({error.strerror}); name a rig.toml") from None
+    try:
+        return parse_rig(text)
+    except InvalidRig as error:
+        raise InvalidRig(f"{path}: {error}") from None
+
+
+def parse_rig(text: str) -> StereoRig:
+    """The rig that the TOML text `text` describes.
+
+    Raises:
+        InvalidRig: as `read_rig`.
+    """
+    try:
+        table = tomllib.loads(text, parse_float=Decimal)
+    except ArithmeticError:
+        raise InvalidRig(f"a number is too large: must be within +-{LARGEST:g}") from None
+    except ValueError as error:
+        raise InvalidRig(f"is not TOML: {error}") from None
+    return rig_from_table(table)
+
+
+def write_rig(rig: StereoRig, comment: str = "") -> str:
+    """TOML text that reads back as exactly `rig`; short form where that is possible.
+
+    `comment` is put on top, as many lines as it has.
+    """
+    top = "".join(f"# {line}".rstrip() + "\n" for line in comment.splitlines())
+    short = _short_text(rig)
+    if short is not None and parse_rig(short) == rig:
+        return top + _PREAMBLE + short
+    return top + _PREAMBLE + _full_text(rig)
+
+
+def _short_text(rig: StereoRig) -> str | None:
+    """The short form nearest to `rig`, rounding undone; None when its cameras differ."""
+    lens = rig.left
+    if lens != rig.right or lens.fx != lens.fy or lens.distortion is not None:
+        return None
+    middle = Intrinsics.from_focal(lens.width, lens.height, lens.fx)
+    vergence_deg = round(rig.vergence_deg, 9)
+    baseline_m = rig.baseline_m if vergence_deg == 0 else round(rig.baseline_m, 12)
+    lines = [
+        f"baseline_mm = {_millimetres(baseline_m)}",
+        f"width_px = {lens.width}",
+        f"height_px = {lens.height}",
+        f"focal_px = {lens.fx!r}",
+        f"vergence_deg = {vergence_deg!r}" if vergence_deg else "",
+        f"cx_px = {lens.cx!r}" if lens.cx != middle.cx else "",
+        f"cy_px = {lens.cy!r}" if lens.cy != middle.cy else "",
+    ]
+    return "\n".join(line for line in lines if line) + "\n"
+
+
+def _full_text(rig: StereoRig) -> str:
+    pose = rig.right_from_left
+    return "\n".join(
+        [
+            *_camera_lines("left", rig.left),
+            *_camera_lines("right", rig.right),
+            "",
+            "# x_right = R x_left + t",
+            "[right_from_left]",
+            "R = [",
+            *(f"  {_row(row, repr)}," for row in pose.R),
+            "]",
+            f"t_mm = {_row(pose.t, _millimetres)}",
+            "",
+        ]
+    )
+
+
+def _camera_lines(name: str, camera: Intrinsics) -> list[str]:
+    lines = [
+        "",
+        f"[{name}]",
+        f"width_px = {camera.width}",
+        f"height_px = {camera.height}",
+        f"fx_px = {camera.fx!r}",
+        f"fy_px = {camera.fy!r}",
+        f"cx_px = {camera.cx!r}",
+        f"cy_px = {camera.cy!r}",
+    ]
+    if camera.distortion is not None:
+        lens = camera.distortion
+        lines += ["", f"[{name}.distortion]"]
+        lines += [f"{key} = {getattr(lens, key)!r}" for key in ("k1", "k2", "p1", "p2", "k3")]
+    return lines
+
+
+def _row(values: Array, text: Callable[[float], str]) -> str:
+    return "[" + ", ".join(text(float(value)) for value in values) + "]"
+
+
+def _millimetres(value_m: float) -> str:
+    """Metres as a decimal of mm, moved by its point alone, so no digit is lost."""
+    if value_m == 0:
+        return repr(value_m)
+    text = str(Decimal(repr(value_m)).scaleb(3).normalize())
+    if "E" in text and abs(value_m) >= 1e-9:
+        text = f"{Decimal(text):f}"
+    return text if "." in text or "E" in text else f"{text}.0"
