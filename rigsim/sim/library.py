@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from xml.etree import ElementTree
 
 from rigsim.errors import InvalidScene
 
@@ -36,3 +37,10 @@ def find(scene: str) -> Path:
     raise InvalidScene(
         f"unknown scene {scene!r}: no such file, and the bundled scenes are {', '.join(names())}"
     )
+
+
+def about(name: str) -> str:
+    """What a bundled scene shows, one line: the text called `about` in its file."""
+    root = ElementTree.parse(models_dir() / name / "scene.xml").getroot()
+    text = root.find("./custom/text[@name='about']")
+    return "" if text is None else str(text.get("data", ""))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from rigsim.errors import InvalidRig
+from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim import backend
 from rigsim.sim.frame import StereoFrame, View
@@ -93,6 +94,12 @@ class Simulator:
         from rigsim.sim.truth import sample_truth
 
         return sample_truth(self.scene, n_points, rng, range_m)
+
+    def true_disparity(self, frame: StereoFrame) -> Array:
+        """Disparity of each pixel of the left picture; see `rigsim.sim.disparity.true_disparity`."""
+        from rigsim.sim.disparity import true_disparity
+
+        return true_disparity(self.scene, frame.left)
 
     @property
     def gl_renderer(self) -> str:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import platform
 from collections.abc import Callable, Iterable
-from importlib.metadata import version
 
 import numpy as np
 import pandas as pd
@@ -17,11 +15,10 @@ from rigsim.study import verdict as words
 from rigsim.study.executor import run_all
 from rigsim.study.geometry import Look, look, simulate
 from rigsim.study.plan import Plan, RigGrid, triangulator_label
+from rigsim.study.provenance import simulator_provenance
 from rigsim.study.result import AXES, DEPTH_COLUMNS, ROW_COLUMNS, Showcase, SweepResult
 from rigsim.study.rows import Row
 from rigsim.theory.triangulation import resolve
-
-_PACKAGES = ("mujoco", "numpy", "scipy", "pandas", "matplotlib")
 
 
 def sweep(
@@ -104,7 +101,13 @@ def _conclude(
         lens_note=lens_note,
         showcase=_showcase(simulator, rigs[order[0] // per_rig], order[0], plan),
         verdict=words.judge(table, depth_table, swept, order[0], lens_note, complete),
-        provenance=provenance(plan, simulator),
+        provenance={
+            **simulator_provenance(simulator),
+            "seed": plan.seed,
+            "points": plan.n_points,
+            "trials": plan.n_trials,
+            **plan.extra,
+        },
         complete=complete,
     )
 
@@ -129,19 +132,3 @@ def _showcase(simulator: Simulator, rig: StereoRig, row: int, plan: Plan) -> Sho
         visible=truth.visible,
         depth_rmse_m=depth_rmse_m,
     )
-
-
-def provenance(plan: Plan, simulator: Simulator) -> dict[str, object]:
-    """What made the numbers: versions, renderer, seed."""
-    return {
-        "rigsim": version("rigsim"),
-        "python": platform.python_version(),
-        **{name: version(name) for name in _PACKAGES},
-        "renderer": simulator.gl_renderer,
-        "scene": simulator.scene.name,
-        "mount": simulator.scene.mount,
-        "seed": plan.seed,
-        "points": plan.n_points,
-        "trials": plan.n_trials,
-        **plan.extra,
-    }

@@ -1,0 +1,23 @@
+"""`rigsim doctor`: which renderers work here, and what installs the others."""
+
+from __future__ import annotations
+
+import typer
+
+
+def doctor() -> None:
+    """Say which renderers work here, and the one line that installs what is missing."""
+    from rigsim.present.console import print_table
+    from rigsim.sim import backend
+
+    probes = [backend.probe(name) for name in backend.RENDERERS if name != "auto"]
+    print_table(
+        "Renderers (--renderer)",
+        ("renderer", "works", "detail"),
+        [(probe.name, "yes" if probe.works else "no", probe.detail) for probe in probes],
+    )
+    best = next(probe for probe in probes if probe.works)
+    typer.echo(f"--renderer auto takes {best.name}")
+    for probe in probes:
+        if not probe.works:
+            typer.echo(f"to install {probe.name}: {probe.install}")

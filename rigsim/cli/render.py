@@ -1,0 +1,49 @@
+"""`rigsim render`: what a rig sees, with its exact depth and disparity."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rigsim.cli.rigs import RigOptions
+
+
+def render(
+    out: Annotated[Path, typer.Option(help="Folder of the pictures.")],
+    scene: Annotated[str, typer.Option(help="A bundled scene's name, or an MJCF file.")] = "boards",
+    mount: Annotated[
+        str | None, typer.Option(help="Where the rig sits: body:NAME, site:NAME or camera:NAME.")
+    ] = None,
+    baseline: Annotated[str | None, typer.Option(help="Baseline, mm.")] = None,
+    focal: Annotated[
+        str | None, typer.Option(help="Focal length, px; or mm with --sensor-width or --pixel-pitch.")
+    ] = None,
+    hfov: Annotated[str | None, typer.Option(help="Horizontal field of view, deg.")] = None,
+    resolution: Annotated[str | None, typer.Option(help="Image size: 1280x960.")] = None,
+    vergence: Annotated[str | None, typer.Option(help="Toe-in angle, deg.")] = None,
+    preset: Annotated[str | None, typer.Option(help="Start from a rig by name; see `rigsim scenes`.")] = None,
+    rig: Annotated[Path | None, typer.Option(help="Start from a rig.toml.")] = None,
+    sensor_width: Annotated[str | None, typer.Option(help="Active sensor width, for a focal in mm.")] = None,
+    pixel_pitch: Annotated[str | None, typer.Option(help="Pixel pitch, um, for a focal in mm.")] = None,
+    renderer: Annotated[str, typer.Option(help="auto, egl, osmesa or rays.")] = "auto",
+    force: Annotated[bool, typer.Option("--force", help="Replace pictures that are there.")] = False,
+) -> None:
+    """Render a stereo pair with exact depth, disparity and segmentation."""
+    options = RigOptions(rig, preset, baseline, focal, hfov, sensor_width, pixel_pitch, resolution, vergence)
+    one = options.single(scene)
+
+    from rigsim.interop import folder
+
+    folder.check_output(out, force)
+
+    from rigsim import present
+    from rigsim.interop.tables import render_files
+    from rigsim.study.snapshot import take_snapshot
+
+    snapshot = take_snapshot(one, scene, mount, renderer, {"command": shlex.join(["rigsim", *sys.argv[1:]])})
+    folder.write_folder(out, {**present.render_files(snapshot), **render_files(snapshot)}, force)
+    typer.echo(f"{out}: stereo pair of {snapshot.scene}, {one.left.width}x{one.left.height} px")

@@ -1,0 +1,102 @@
+"""From options about rigs to a grid of rigs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rigsim.cli import quantity
+from rigsim.errors import InvalidRange
+
+if TYPE_CHECKING:
+    from rigsim.rig.stereo import StereoRig
+    from rigsim.study.plan import RigGrid
+
+DEFAULT_PRESET = "boards"
+
+
+@dataclass(frozen=True, slots=True)
+class RigOptions:
+    """The words that describe rigs, as typed; None where nothing was."""
+
+    rig: Path | None = None
+    preset: str | None = None
+    baseline: str | None = None
+    focal: str | None = None
+    hfov: str | None = None
+    sensor_width: str | None = None
+    pixel_pitch: str | None = None
+    resolution: str | None = None
+    vergence: str | None = None
+
+    def base(self, scene: str) -> StereoRig:
+        """The rig that is varied: the file's, the preset's, or the one made for the scene."""
+        from rigsim.rig.presets import PRESETS, preset
+
+        if self.rig is not None and self.preset is not None:
+            raise InvalidRange("--rig and --preset both given: give one")
+        if self.rig is not None:
+            from rigsim.interop.rig_toml import read_rig
+
+            return read_rig(self.rig)
+        name = self.preset or (scene if scene in PRESETS else DEFAULT_PRESET)
+        return preset(name).rig
+
+    def grid(self, scene: str) -> RigGrid:
+        """All rigs asked for.
+
+        Raises:
+            InvalidRange: a value cannot be read, or two options contradict each other.
+        """
+        from rigsim.study.plan import RigGrid
+
+        focals_px, hfovs_deg = self._lenses()
+        return RigGrid(
+            base=self.base(scene),
+            baselines_m=tuple(
+                mm / 1e3
+                for mm in (quantity.values(self.baseline, quantity.BASELINE) if self.baseline else ())
+            ),
+            focals_px=focals_px,
+            hfovs_deg=hfovs_deg,
+            resolutions_px=quantity.resolutions(self.resolution) if self.resolution else (),
+            vergences_deg=quantity.values(self.vergence, quantity.VERGENCE) if self.vergence else (),
+        )
+
+    def single(self, scene: str) -> StereoRig:
+        """The one rig asked for.
+
+        Raises:
+            InvalidRange: the options describe several.
+        """
+        grid = self.grid(scene)
+        if len(grid) != 1:
+            raise InvalidRange(f"{len(grid)} rigs given: this command takes one; `rigsim sweep` takes many")
+        return next(iter(grid))
+
+    def _lenses(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Focal lengths in px and fields of view in deg; one of the two is empty."""
+        hfovs_deg = quantity.values(self.hfov, quantity.HFOV) if self.hfov else ()
+        if self.focal is None:
+            if self.sensor_width or self.pixel_pitch:
+                raise InvalidRange("--sensor-width and --pixel-pitch need a --focal in mm")
+            return (), hfovs_deg
+        focals, unit = quantity.focal_lengths(self.focal)
+        if unit == "px":
+            return focals, hfovs_deg
+        if self.pixel_pitch:
+            pitch_mm = quantity.value(self.pixel_pitch, quantity.PIXEL_PITCH)
+            return tuple(mm / pitch_mm for mm in focals), hfovs_deg
+        if self.sensor_width:
+            # behind the same sensor the lens keeps its field of view, whatever the resolution
+            from math import atan, degrees
+
+            width_mm = quantity.value(self.sensor_width, quantity.SENSOR_WIDTH)
+            lens = tuple(2 * degrees(atan(width_mm / 2 / mm)) for mm in focals)
+            if hfovs_deg:
+                raise InvalidRange("--focal and --hfov both given: they say the same thing, give one")
+            return (), lens
+        raise InvalidRange(
+            f"focal length {self.focal}: mm needs --sensor-width or --pixel-pitch; or give it in px"
+        )

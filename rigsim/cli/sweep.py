@@ -1,0 +1,147 @@
+"""`rigsim sweep`: many rigs in one scene, predicted and simulated, with a report."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rigsim.cli import quantity
+from rigsim.cli.rigs import RigOptions
+from rigsim.errors import InvalidRange
+
+MANY_RIGS = 1000
+"""More rigs than this are run only with --yes."""
+
+INTERRUPTED = 130
+
+
+def sweep(
+    baseline: Annotated[
+        str | None,
+        typer.Option(help="Baselines, mm: 50:500 (10 values), 50:500:25, 50:500/4, 60,120, 0.12m."),
+    ] = None,
+    focal: Annotated[
+        str | None, typer.Option(help="Focal lengths, px; or mm with --sensor-width or --pixel-pitch.")
+    ] = None,
+    hfov: Annotated[str | None, typer.Option(help="Horizontal fields of view, deg.")] = None,
+    resolution: Annotated[str | None, typer.Option(help="Image sizes: 640x480,1280x960.")] = None,
+    noise: Annotated[str, typer.Option(help="Noise per pixel coordinate, px standard deviation.")] = "0.25",
+    vergence: Annotated[str | None, typer.Option(help="Toe-in angles, deg.")] = None,
+    scene: Annotated[str, typer.Option(help="A bundled scene's name, or an MJCF file.")] = "boards",
+    mount: Annotated[
+        str | None, typer.Option(help="Where the rig sits: body:NAME, site:NAME or camera:NAME.")
+    ] = None,
+    preset: Annotated[str | None, typer.Option(help="Start from a rig by name; see `rigsim scenes`.")] = None,
+    rig: Annotated[Path | None, typer.Option(help="Start from a rig.toml.")] = None,
+    sensor_width: Annotated[str | None, typer.Option(help="Active sensor width, for a focal in mm.")] = None,
+    pixel_pitch: Annotated[str | None, typer.Option(help="Pixel pitch, um, for a focal in mm.")] = None,
+    depth_range: Annotated[
+        str | None, typer.Option("--range", help="Depths of the truth points: 0.5:5m.")
+    ] = None,
+    points: Annotated[int, typer.Option(help="Truth points of each rig.")] = 2000,
+    trials: Annotated[int, typer.Option(help="Noisy repetitions of each point.")] = 100,
+    triangulator: Annotated[
+        str, typer.Option(help="optimal, rectified, dlt, midpoint, or package.module:function; commas.")
+    ] = "optimal",
+    seed: Annotated[int, typer.Option(help="Seed of every random number.")] = 0,
+    jobs: Annotated[int, typer.Option(help="Processes; the numbers do not depend on it.")] = 1,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder of the report.", show_default="reports/SCENE-TIME")
+    ] = None,
+    renderer: Annotated[str, typer.Option(help="auto, egl, osmesa or rays.")] = "auto",
+    force: Annotated[bool, typer.Option("--force", help="Replace a report that is there.")] = False,
+    yes: Annotated[bool, typer.Option("--yes", help=f"Run more than {MANY_RIGS} rigs.")] = False,
+) -> None:
+    """Sweep rigs through a scene: predicted and simulated depth error side by side, with a report.
+
+    Axes multiply. Lengths are in mm unless mm, cm or m is written.
+    """
+    noises_px = quantity.values(noise, quantity.NOISE)
+    methods = _methods(triangulator)
+    range_m = None
+    if depth_range is not None:
+        near_mm, far_mm = quantity.span(depth_range, quantity.DEPTH)
+        range_m = (near_mm / 1e3, far_mm / 1e3)
+    options = RigOptions(rig, preset, baseline, focal, hfov, sensor_width, pixel_pitch, resolution, vergence)
+    grid = options.grid(scene)
+    if len(grid) > MANY_RIGS and not yes:
+        raise InvalidRange(
+            f"{len(grid):,} rigs: more than {MANY_RIGS:,}; add --yes to run them all, or take fewer values"
+        )
+
+    from rigsim.interop import folder
+
+    target = out or Path("reports") / f"{Path(scene).stem}-{time.strftime('%Y%m%d-%H%M%S')}"
+    folder.check_output(target, force)
+
+    from rigsim.rig.noise import PixelNoise
+    from rigsim.study.plan import Plan
+    from rigsim.study.sweep import sweep as run
+
+    plan = Plan(
+        scene=scene,
+        mount=mount,
+        noises=tuple(PixelNoise(std_px) for std_px in noises_px),
+        triangulators=methods,
+        range_m=range_m,
+        n_points=points,
+        n_trials=trials,
+        seed=seed,
+        renderer=renderer,
+        extra={"command": shlex.join(["rigsim", *sys.argv[1:]])},
+    )
+    with _progress(len(grid)) as progress:
+        result = run(grid, plan, jobs=jobs, progress=progress)
+
+    from rigsim import present
+    from rigsim.interop.tables import sweep_files
+
+    folder.write_folder(target, {**present.sweep_files(result), **sweep_files(result)}, force)
+    present.print_sweep(result, target)
+    if not result.complete:
+        raise typer.Exit(INTERRUPTED)
+
+
+def _methods(text: str) -> tuple[str, ...]:
+    methods = tuple(part.strip() for part in text.split(","))
+    if not all(methods):
+        raise InvalidRange(f"triangulator {text!r}: empty; name one, or several with commas")
+    if any(":" in method for method in methods):
+        sys.path.insert(0, os.getcwd())  # a module beside the user is what package.module:function means
+    return methods
+
+
+@contextmanager
+def _progress(total: int) -> Iterator[Callable[[int], None] | None]:
+    """A bar with rigs done, rigs/s and the time left, on a terminal; nothing elsewhere."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    with Progress(
+        TextColumn("rigs"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[rate]}"),
+        TimeRemainingColumn(),
+        console=Console(stderr=True),
+        transient=True,
+    ) as bar:
+        task = bar.add_task("rigs", total=total, rate="")
+        begin = time.monotonic()
+
+        def advance(done: int) -> None:
+            rate = done / max(time.monotonic() - begin, 1e-9)
+            bar.update(task, completed=done, rate=f"{rate:.2g} rigs/s")
+
+        yield advance

@@ -1,0 +1,57 @@
+"""Tables and provenance as files."""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from rigsim.interop.rig_toml import write_rig
+from rigsim.study.result import SweepResult
+from rigsim.study.snapshot import Snapshot
+
+_DIGITS = "%.10g"
+
+
+def csv_bytes(table: pd.DataFrame) -> bytes:
+    """A table as CSV: ten significant digits, empty for NaN, the same bytes for the same numbers."""
+    return bytes(table.to_csv(index=False, float_format=_DIGITS, lineterminator="\n").encode())
+
+
+def json_bytes(document: Mapping[str, object]) -> bytes:
+    """A document as indented JSON."""
+    return (json.dumps(document, indent=2, ensure_ascii=False) + "\n").encode()
+
+
+def npy_bytes(values: npt.NDArray[np.generic]) -> bytes:
+    """An array as NPY."""
+    buffer = io.BytesIO()
+    np.save(buffer, values, allow_pickle=False)
+    return buffer.getvalue()
+
+
+def sweep_files(result: SweepResult) -> dict[str, bytes]:
+    """The files of a sweep that programs read."""
+    return {
+        "sweep.csv": csv_bytes(result.rows),
+        "sweep_by_depth.csv": csv_bytes(result.by_depth),
+        "rig.toml": write_rig(result.showcase.rig, comment="best rig of the sweep").encode(),
+        "provenance.json": json_bytes(result.provenance),
+    }
+
+
+def render_files(snapshot: Snapshot) -> dict[str, bytes]:
+    """The files of a rendered pair that programs read."""
+    frame = snapshot.frame
+    return {
+        "depth_left.npy": npy_bytes(frame.left.depth.astype(np.float32)),
+        "depth_right.npy": npy_bytes(frame.right.depth.astype(np.float32)),
+        "disparity.npy": npy_bytes(snapshot.disparity.astype(np.float32)),
+        "segmentation_left.npy": npy_bytes(frame.left.segmentation),
+        "rig.toml": write_rig(snapshot.rig, comment=f"rendered in {snapshot.scene}").encode(),
+        "provenance.json": json_bytes(snapshot.provenance),
+    }
