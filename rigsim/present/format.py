@@ -1,0 +1,93 @@
+"""Numbers as a person writes them: few digits, a unit, no nine-digit tails."""
+
+from __future__ import annotations
+
+import math
+
+MISSING = "–"
+"""What stands where there is no number."""
+_NARROW_SPACE = "\u202f"
+_NEGLIGIBLE = 1e-4
+
+
+def number(value: float, digits: int = 3) -> str:
+    """`value` with `digits` significant digits, trailing zeros kept: ``9.80``, ``0.0123``, ``12 346``.
+
+    Whole digits are never rounded away; below 0.0001 the number is ``≈ 0``, without one it is a dash.
+    """
+    value = float(value)
+    if not math.isfinite(value):
+        return MISSING
+    if value == 0:
+        return "0"
+    if abs(value) < _NEGLIGIBLE:
+        return "≈ 0"
+    decimals = _decimals(value, digits)
+    decimals = _decimals(round(value, decimals), digits)  # 9.996 becomes 10.0, not 10.00
+    return _typeset(f"{value:.{decimals}f}")
+
+
+def plain(value: float, digits: int = 5) -> str:
+    """`value` as short as it can be said: ``120``, ``0.25``, ``882.5``; for parameters and ticks."""
+    value = float(value)
+    if not math.isfinite(value):
+        return MISSING
+    if value == 0:
+        return "0"
+    decimals = min(_decimals(value, digits), 8)
+    text = f"{value:.{decimals}f}"
+    if "." in text:
+        text = text.rstrip("0").rstrip(".")
+    return _typeset(text)
+
+
+def length_mm(value_mm: float, digits: int = 3) -> str:
+    """A length given in mm, in the unit that suits it: ``12.0 µm``, ``9.80 mm``, ``1.24 m``."""
+    if not math.isfinite(value_mm):
+        return MISSING
+    size = abs(round(value_mm, 6))
+    if size >= 999.5:
+        return f"{number(value_mm / 1e3, digits)} m"
+    if size >= 0.1 or size < _NEGLIGIBLE:
+        return f"{number(value_mm, digits)} mm"
+    return f"{number(value_mm * 1e3, digits)} µm"
+
+
+def length(value_m: float, digits: int = 3) -> str:
+    """A length given in m, in the unit that suits it."""
+    return length_mm(value_m * 1e3, digits)
+
+
+def percent(fraction: float) -> str:
+    """A share as a percentage without its sign: ``98.7``; 100 and 0 are said only when exact."""
+    value = 100 * float(fraction)
+    if not math.isfinite(value):
+        return MISSING
+    if 0 < value < 0.05:
+        return "< 0.1"
+    if 99.95 <= value < 100:
+        return "> 99.9"
+    return "100" if value == 100 else "0" if value == 0 else _typeset(f"{value:.1f}")
+
+
+def ratio(value: float) -> str:
+    """A ratio near one, three decimals: ``1.003``."""
+    return _typeset(f"{value:.3f}") if math.isfinite(value) else MISSING
+
+
+def count(value: float) -> str:
+    """A whole number with its thousands apart: ``2 000``."""
+    return _typeset(f"{value:.0f}", group_from=4) if math.isfinite(value) else MISSING
+
+
+def _decimals(value: float, digits: int) -> int:
+    return 0 if value == 0 else max(digits - 1 - math.floor(math.log10(abs(value))), 0)
+
+
+def _typeset(text: str, group_from: int = 5) -> str:
+    """A true minus sign, and groups of three once there are `group_from` whole digits."""
+    sign, text = ("−", text[1:]) if text.startswith("-") else ("", text)
+    whole, point, rest = text.partition(".")
+    if len(whole) >= group_from:
+        whole = f"{int(whole):,}".replace(",", _NARROW_SPACE)
+    return sign + whole + point + rest
