@@ -1,0 +1,207 @@
+"""The tables of a report: cells as text, ready to be typeset."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from rigsim.present.axes import best_row, swept_axes
+from rigsim.present.columns import COLUMNS, Column
+from rigsim.present.footprint import footprint
+from rigsim.present.format import count, length, number, plain
+from rigsim.study.result import AXES, SweepResult
+
+MOST_ROWS = 200
+"""Rows of the table of all rows; of more, the best ones are shown."""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One row of a table."""
+
+    cells: tuple[str, ...]
+    """Texts, one a column."""
+    flagged: bool = False
+    """Whether prediction and simulation disagree here."""
+    best: bool = False
+    """Whether this is the best configuration."""
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A table for people."""
+
+    headings: tuple[tuple[str, str], ...]
+    """Heading and unit of each column."""
+    numeric: tuple[bool, ...]
+    """Whether a column holds numbers, which stand right."""
+    rows: tuple[Row, ...]
+    """The rows."""
+    note: str = ""
+    """What was left out, in words."""
+
+
+def all_rows(result: SweepResult) -> Table:
+    """One row a configuration, in the order of the sweep; of more than `MOST_ROWS` the best, best first."""
+    rows = result.rows
+    places = list(range(len(rows)))
+    note = ""
+    if len(rows) > MOST_ROWS:
+        ranked = list(result.best)
+        chosen = set(ranked)
+        rest = [
+            int(i)
+            for i in np.argsort(rows["depth_rmse_mm"].to_numpy(), kind="stable")
+            if int(i) not in chosen
+        ]
+        places = (ranked + rest)[:MOST_ROWS]
+        note = f"The best {MOST_ROWS} of {count(len(rows))} rows, best first."
+    axes = swept_axes(result)
+    shown: list[_Shown] = [
+        _Shown(axis.heading, axis.unit, axis.column, axis.show if axis.numeric else str, axis.numeric)
+        for axis in axes
+    ]
+    shown += _error_columns(rows)
+    best = result.best[0] if result.best else -1
+    limits = _Shown("limited by", "", "limits", str, False)
+    table = rows.assign(limits=list(result.limits)).iloc[places]
+    columns = (*shown, limits, _of(COLUMNS["agreement"]))
+    return _table(columns, table, [place == best for place in places], note)
+
+
+def best_by_depth(result: SweepResult) -> Table:
+    """The best configuration, one row a bin of depth."""
+    table = result.by_depth
+    best = best_row(result)
+    for name in ("scene", *AXES):
+        table = table[table[name] == best[name]]
+    names = ("depth_near_mm", "depth_far_mm", "n_points")
+    columns = (*(_of(COLUMNS[name]) for name in names), *_error_columns(table), _of(COLUMNS["agreement"]))
+    return _table(columns, table, [False] * len(table))
+
+
+def rig_table(result: SweepResult) -> Table:
+    """Parameter, value, unit and meaning of the rig on show."""
+    show, row = result.showcase, result.rows.iloc[result.showcase.row]
+    rig, noise = show.rig, show.noise
+    nearest = footprint(rig).nearest
+    depth = show.points_left[show.visible, 2]
+    entries: list[tuple[str, str, str, str]] = [
+        ("Baseline", plain(rig.baseline_m * 1e3), "mm", "distance between the two camera centres"),
+        ("Image size", f"{rig.left.width} × {rig.left.height}", "px", "of each camera"),
+        ("Focal length", plain(rig.left.fx), "px", "of the left camera, along the image rows"),
+        (
+            "Field of view",
+            f"{plain(rig.left.hfov_deg, 3)} × {plain(rig.left.vfov_deg, 3)}",
+            "°",
+            "horizontal × vertical, across the full image",
+        ),
+        (
+            "Vergence",
+            plain(round(rig.vergence_deg, 6) + 0.0),
+            "°",
+            "angle between the two optical axes; 0 is parallel",
+        ),
+    ]
+    if rig.doffs_px:
+        entries.append(
+            (
+                "Principal offset",
+                plain(rig.doffs_px),
+                "px",
+                "right minus left principal point, along the rows",
+            )
+        )
+    entries += [
+        (
+            "Pixel noise",
+            plain(noise.std_px),
+            "px",
+            "standard deviation of each image coordinate that is measured",
+        ),
+        (
+            "Disparity noise",
+            number(noise.disparity_std_px),
+            "px",
+            "what that makes of the difference between left and right",
+        ),
+        ("Triangulator", str(row["triangulator"]), "", "how two image points become one point in space"),
+    ]
+    if nearest is not None:
+        value, unit = length(nearest[1]).split(" ")
+        entries.append(("Nearest overlap", value, unit, "closer than this, no point is seen by both cameras"))
+    if len(depth):
+        entries.append(
+            (
+                "Depth of the points",
+                f"{number(depth.min())} to {number(depth.max())}",
+                "m",
+                f"of the truth points that both cameras see, median {number(float(np.median(depth)))} m",
+            )
+        )
+        if rig.is_rectified:
+            middle = float(np.median(depth))
+            value, unit = length(middle**2 / (rig.left.fx * rig.baseline_m)).split(" ")
+            entries.append(
+                (
+                    "Depth of one pixel",
+                    value,
+                    unit,
+                    "depth that one pixel of disparity stands for at the median depth",
+                )
+            )
+    sample = f"{count(row['n_points'])} × {count(row['n_trials'])}"
+    entries.append(("Sample", sample, "", "truth points × noisy trials of each"))
+    headings = (("Parameter", ""), ("Value", ""), ("Unit", ""), ("Meaning", ""))
+    return Table(headings, (False, True, False, False), tuple(Row(entry) for entry in entries))
+
+
+@dataclass(frozen=True, slots=True)
+class _Shown:
+    heading: str
+    unit: str
+    name: str
+    show: Callable[[Any], str]
+    numeric: bool = True
+
+
+def _of(column: Column) -> _Shown:
+    return _Shown(column.heading, column.unit, column.name, column.show, column.show is not str)
+
+
+def _error_columns(table: pd.DataFrame) -> list[_Shown]:
+    """What says how good a configuration is; columns that are nil throughout are left out."""
+    names = ["depth_rmse_mm", "interval", "predicted_depth_rmse_mm", "predicted_over_simulated"]
+    if "measured_depth_rmse_mm" in table:
+        names.append("measured_depth_rmse_mm")
+    names += ["depth_abs_p95_mm", "depth_bias_mm", "depth_rmse_pct", "nees", "visible_fraction"]
+    names += [name for name in ("low_disparity_fraction", "failed_fraction") if (table[name] > 0).any()]
+    return [_INTERVAL if name == "interval" else _of(COLUMNS[name]) for name in names]
+
+
+def _table(columns: tuple[_Shown, ...], table: pd.DataFrame, best: list[bool], note: str = "") -> Table:
+    rows = tuple(
+        Row(
+            tuple(
+                _interval(record) if column is _INTERVAL else column.show(record[column.name])
+                for column in columns
+            ),
+            record["agreement"] != "agrees",
+            is_best,
+        )
+        for record, is_best in zip(table.to_dict("records"), best, strict=True)
+    )
+    headings = tuple((column.heading, column.unit) for column in columns)
+    return Table(headings, tuple(column.numeric for column in columns), rows, note)
+
+
+def _interval(record: dict[Any, Any]) -> str:
+    low, high = record["depth_rmse_ci_low_mm"], record["depth_rmse_ci_high_mm"]
+    return f"{number(low)} – {number(high)}" if np.isfinite(low) and np.isfinite(high) else number(np.nan)
+
+
+_INTERVAL = _Shown("95 % interval", "mm", "interval", str)

@@ -1,0 +1,138 @@
+from __future__ import annotations
+
+import io
+import subprocess
+import sys
+from typing import Any
+
+import pytest
+from rich.console import Console
+from test_present_synthetic import make_result
+
+from rigsim.present.console import make_console, print_sweep, print_table
+from rigsim.study.result import SweepResult
+
+WIDTH = 80
+
+
+def console(width: int = WIDTH, *, terminal: bool = False) -> Console:
+    return Console(
+        file=io.StringIO(),
+        width=width,
+        force_terminal=terminal,
+        color_system="standard" if terminal else None,
+    )
+
+
+def printed(result: SweepResult, width: int = WIDTH, report: str | None = "reports/x/report.html") -> str:
+    target = console(width)
+    print_sweep(result, target, report)
+    assert isinstance(target.file, io.StringIO)
+    return target.file.getvalue()
+
+
+MANY: dict[str, Any] = {
+    "baselines_mm": (100, 150),
+    "noises_px": (0.1, 0.25),
+    "vergences_deg": (0.0, 5.0),
+    "triangulators": ("optimal", "package.module:function"),
+    "sizes": ((640, 360), (1280, 720)),
+    "n_points": 60,
+}
+
+
+def test_the_best_rows_stand_beside_their_prediction() -> None:
+    result = make_result(n_points=200)
+    lines = printed(result).splitlines()
+    head = next(i for i, line in enumerate(lines) if line.startswith("Best 5 of 10"))
+    assert lines[head + 1].split() == ["baseline", "simulated", "predicted", "predicted/", "seen", "by"]
+    best = result.rows.iloc[result.best[0]]
+    cells = lines[head + 4].split()
+    assert cells[0] == "500"
+    assert float(cells[1]) == pytest.approx(best["depth_rmse_mm"], rel=6e-3)
+    assert float(cells[2]) == pytest.approx(best["predicted_depth_rmse_mm"], rel=6e-3)
+    assert float(cells[3]) == pytest.approx(best["predicted_over_simulated"], abs=6e-4)
+    assert cells[5:] == [result.limits[result.best[0]], "agrees"]
+    assert lines[-1] == "Report: reports/x/report.html"
+
+
+@pytest.mark.parametrize("width", [60, 80, 100])
+def test_nothing_is_broken_or_runs_over_the_edge(width: int) -> None:
+    text = printed(make_result(**MANY, flagged=(3, 4, 5, 7)), width)
+    lines = text.splitlines()
+    assert max(map(len, lines)) <= width
+    assert all(line == line.rstrip() for line in lines)
+    words = ["simulated", "agreement", "baseline", "vergence", "triangulator", "optimal", "flagged"]
+    for word in words:
+        assert word in text.lower()
+
+
+def test_what_the_best_rows_share_is_said_once() -> None:
+    text = printed(make_result((100, 150), (0.1, 0.5), n_points=60))
+    assert "with" not in text.split("Best")[0]
+    five = make_result((100, 150, 200, 250, 300, 350), (0.1, 0.5), n_points=60)
+    title = next(line for line in printed(five).splitlines() if line.startswith("Best"))
+    assert title == "Best 5 of 12, with pixel noise 0.1 px"
+
+
+def test_flagged_rows_are_named_with_their_reason_and_the_rest_are_counted() -> None:
+    text = printed(make_result(flagged=(0, 1, 2, 3, 4), n_points=100), 120)
+    assert "Flagged: 5 of 10" in text
+    assert "baseline 50 mm: simulated 12.0 % above predicted, 0.4 % expected" in text
+    assert "and 2 more" in text
+
+
+def test_code_marks_and_markup_are_not_for_terminals() -> None:
+    text = printed(make_result(scene="[red]odd[/red]", n_points=50))
+    assert "`" not in text
+    assert "[red]odd[/red]" in text
+
+
+def test_one_row_and_no_report() -> None:
+    text = printed(make_result((120,), n_points=50), report=None)
+    assert "Result" in text
+    assert "Report" not in text
+
+
+def test_plain_without_a_terminal_and_dressed_on_one() -> None:
+    plain, dressed = console(), console(terminal=True)
+    for target in (plain, dressed):
+        print_table(target, "Scenes", ["name", "what"], [["bin", "parts in a bin"]])
+    assert isinstance(plain.file, io.StringIO)
+    assert isinstance(dressed.file, io.StringIO)
+    assert plain.file.getvalue() == "Scenes\nname  what\n--------------------\nbin   parts in a bin\n"
+    assert "\x1b[1m" in dressed.file.getvalue()
+    assert "─" in dressed.file.getvalue()
+
+
+def test_only_the_last_words_wrap_and_only_between_words() -> None:
+    target = console(40)
+    about = "checker boards at half a metre to five metres, tilted in all directions"
+    print_table(target, "", ["name", "baseline, mm", "shows"], [["boards", 120, about], ["bin", 60, "parts"]])
+    assert isinstance(target.file, io.StringIO)
+    lines = target.file.getvalue().splitlines()
+    assert max(map(len, lines)) <= 40
+    assert lines[2].startswith("boards           120  checker")
+    assert " ".join(line[22:].strip() for line in lines[2:-1]) == about
+    assert lines[-1] == "bin               60  parts"
+
+
+def test_an_empty_table_is_just_its_heads() -> None:
+    target = console()
+    print_table(target, "Nothing", ["a", "b"], [])
+    assert isinstance(target.file, io.StringIO)
+    assert target.file.getvalue() == "Nothing\na  b\n----\n"
+
+
+def test_make_console_prints_brackets_as_they_are(capsys: pytest.CaptureFixture[str]) -> None:
+    make_console(width=80).print("[bold]x[/bold] :smile:")
+    assert capsys.readouterr().out == "[bold]x[/bold] :smile:\n"
+
+
+def test_the_console_loads_neither_matplotlib_nor_pandas() -> None:
+    code = (
+        "import sys, rigsim.present.console as c; c.print_table(c.make_console(), 't', ['a'], [[1]]);"
+        "print([m for m in ('matplotlib', 'pandas', 'mujoco', 'PIL') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"

@@ -1,0 +1,239 @@
+from __future__ import annotations
+
+import dataclasses
+import io
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from PIL import Image as PillowImage
+from test_present_synthetic import make_result
+
+from rigsim.present import format as fmt
+from rigsim.present.files import sweep_files
+from rigsim.present.report import report_html
+from rigsim.present.tables import MOST_ROWS, all_rows, best_by_depth, rig_table
+from rigsim.study.result import SweepResult, Verdict
+
+VOID = {"meta", "img", "br", "hr", "link", "input"}
+SECTIONS = ["verdict", "rig", "pair", "plan", "curves", "by-depth", "rows", "reading", "again"]
+
+
+class Page(HTMLParser):
+    """What a test wants to know of a page."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.tags: list[str] = []
+        self.ids: list[str] = []
+        self.addresses: list[str] = []
+        self.rows: dict[str, list[list[str]]] = {}
+        self.classes: list[str] = []
+        self.text = ""
+        self.section = ""
+        self.feed(text)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        for name, value in attrs:
+            if name == "id" and value:
+                self.ids.append(value)
+                if tag in ("section", "header"):
+                    self.section = value
+            if name in ("src", "href", "xlink:href") and value:
+                self.addresses.append(value)
+            if name == "class" and value:
+                self.classes.append(value)
+        if tag not in VOID:
+            self.open.append(tag)
+        if tag == "tr":
+            self.rows.setdefault(self.section, []).append([])
+        if tag == "td":
+            self.rows[self.section][-1].append("")
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attrs)
+        if tag not in VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+        if "td" in self.open:
+            self.rows[self.section][-1][-1] += data
+
+
+@pytest.fixture(scope="module")
+def result() -> SweepResult:
+    return make_result(n_points=500, flagged=(3,))
+
+
+@pytest.fixture(scope="module")
+def page(result: SweepResult) -> Page:
+    return Page(report_html(result))
+
+
+def test_the_sections_stand_in_order(page: Page) -> None:
+    assert [name for name in page.ids if name in SECTIONS] == SECTIONS
+
+
+def test_two_axes_bring_a_heat_map() -> None:
+    ids = Page(report_html(make_result((100, 200), (0.1, 0.5), n_points=60))).ids
+    assert ids.index("curves") < ids.index("heat") < ids.index("by-depth")
+
+
+def test_the_page_needs_nothing_but_itself(page: Page) -> None:
+    assert page.addresses
+    assert all(address.startswith(("#", "data:image/")) for address in page.addresses)
+    assert "script" not in page.tags
+    assert "link" not in page.tags
+    assert page.tags.count("img") == 2
+    assert len(page.ids) == len(set(page.ids))
+
+
+def test_no_style_loads_anything(result: SweepResult) -> None:
+    html = report_html(result)
+    assert "@import" not in html
+    assert not re.search(r"url\((?!#)", html)
+
+
+def test_the_table_of_all_rows_shows_the_frame(result: SweepResult, page: Page) -> None:
+    shown = [row for row in page.rows["rows"] if row]
+    assert len(shown) == len(result.rows)
+    for (_, row), cells in zip(result.rows.iterrows(), shown, strict=True):
+        assert cells[0].removeprefix("★ ") == fmt.plain(row["baseline_mm"])
+        assert cells[1] == fmt.number(row["depth_rmse_mm"])
+        low, high = fmt.number(row["depth_rmse_ci_low_mm"]), fmt.number(row["depth_rmse_ci_high_mm"])
+        assert cells[2] == f"{low} – {high}"
+        assert cells[3] == fmt.number(row["predicted_depth_rmse_mm"])
+        assert cells[4] == fmt.ratio(row["predicted_over_simulated"])
+        assert cells[-1] == row["agreement"]
+    assert [cells[0].startswith("★") for cells in shown].index(True) == result.best[0]
+
+
+def test_headings_are_for_people_and_carry_units(result: SweepResult) -> None:
+    for table in (all_rows(result), best_by_depth(result)):
+        assert not any("_" in heading for heading, _ in table.headings)
+        assert ("depth error RMS", "mm") in table.headings
+
+
+def test_a_flagged_row_is_marked_by_text_and_by_colour(page: Page) -> None:
+    assert page.classes.count("flagged") == 1
+    assert "badge flagged" in page.classes
+    assert "Flagged: 1 of 10 rows" in page.text
+    assert "simulated 12.0 % above predicted" in page.text
+
+
+def test_agreement_is_said_when_there_is_any() -> None:
+    calm = Page(report_html(make_result((100, 200), n_points=60)))
+    assert "badge agrees" in calm.classes
+    assert "flagged" not in calm.classes
+
+
+def test_the_depth_table_is_that_of_the_best_row(result: SweepResult) -> None:
+    best = result.rows.iloc[result.best[0]]
+    expected = result.by_depth[result.by_depth["baseline_mm"] == best["baseline_mm"]]
+    table = best_by_depth(result)
+    assert [row.cells[3] for row in table.rows] == [fmt.number(v) for v in expected["depth_rmse_mm"]]
+    assert table.rows[0].cells[0] == fmt.number(expected["depth_near_mm"].iloc[0] / 1e3)
+
+
+def test_the_rig_is_told_in_its_parameters(result: SweepResult) -> None:
+    told = {row.cells[0]: row.cells[1:3] for row in rig_table(result).rows}
+    assert told["Baseline"] == ("500", "mm")
+    assert told["Image size"] == ("1280 × 720", "px")
+    assert told["Focal length"] == ("900", "px")
+    assert told["Pixel noise"] == ("0.25", "px")
+    assert told["Disparity noise"] == ("0.354", "px")
+    assert told["Nearest overlap"] == ("352", "mm")  # f B / W = 900 * 500 / 1280
+    assert "Principal offset" not in told
+    verged = {row.cells[0]: row.cells[1] for row in rig_table(make_result((120,), vergences_deg=(6,))).rows}
+    assert verged["Vergence"] == "6"
+    assert "Depth of one pixel" not in verged
+
+
+def test_of_many_rows_the_best_are_shown_and_it_is_said() -> None:
+    many = make_result(np.linspace(50, 500, 70).tolist(), (0.1, 0.25, 0.5), n_points=20)
+    table = all_rows(many)
+    assert len(table.rows) == MOST_ROWS
+    assert table.note == "The best 200 of 210 rows, best first."
+    assert table.rows[0].best
+    assert "The best 200 of 210 rows" in Page(report_html(many)).text
+
+
+def test_one_row_is_a_report_too() -> None:
+    page = Page(report_html(make_result((120,), n_points=60)))
+    assert [name for name in page.ids if name in SECTIONS] == SECTIONS
+    assert "The rig that was simulated." in page.text
+
+
+def test_what_a_scene_is_called_cannot_become_markup() -> None:
+    evil = '<script>alert(1)</script>"><img src=http://x.y/>'
+    result = make_result((100, 200), scene=evil, n_points=30)
+    result = dataclasses.replace(
+        result,
+        provenance={"command": f"rigsim sweep --scene '{evil}'", "note": evil},
+        verdict=Verdict(evil, (evil,), True),
+    )
+    html = report_html(result)
+    page = Page(html)
+    assert "<script" not in html
+    assert page.tags.count("img") == 2
+    assert page.text.count(evil) >= 4
+
+
+def test_words_between_backticks_are_code(page: Page) -> None:
+    assert "code" in page.tags
+    assert "`" not in page.text
+
+
+def test_the_command_and_the_versions_are_there(page: Page) -> None:
+    assert "rigsim sweep --baseline 50:500 --scene boards --seed 0" in page.text
+    assert ["EGL, llvmpipe (LLVM 15.0.6, 256 bits)"] in page.rows["again"]
+    assert "versions mujoco" in page.text
+
+
+def test_an_interrupted_run_says_so(result: SweepResult) -> None:
+    assert "interrupted" in Page(report_html(dataclasses.replace(result, complete=False))).text
+    assert "interrupted" not in Page(report_html(result)).text
+
+
+def test_no_number_has_more_digits_than_it_can_mean(page: Page) -> None:
+    for rows in (page.rows["rig"], page.rows["rows"], page.rows["by-depth"]):
+        for row in rows:
+            for cell in row:
+                assert not re.search(r"\d{7,}|\.\d{7,}", cell)
+
+
+def test_sweep_files_are_all_there_valid_and_small(result: SweepResult) -> None:
+    files = sweep_files(result)
+    assert list(files) == ["report.html", "topdown.png", "depth_error.png", "left.png", "right.png"]
+    assert len(files["report.html"]) < 5_000_000
+    Page(files["report.html"].decode("utf-8"))
+    for name, data in files.items():
+        if name.endswith(".png"):
+            with PillowImage.open(io.BytesIO(data)) as picture:
+                picture.load()
+                assert min(picture.size) >= 300
+    with PillowImage.open(io.BytesIO(files["left.png"])) as left:
+        np.testing.assert_array_equal(np.asarray(left), result.showcase.image_left)
+    with PillowImage.open(io.BytesIO(files["right.png"])) as right:
+        np.testing.assert_array_equal(np.asarray(right), result.showcase.image_right)
+
+
+def test_the_report_stays_small_however_loud_the_pictures() -> None:
+    result = make_result((100, 200), n_points=5000)
+    rng = np.random.default_rng(0)
+    noise = rng.integers(0, 256, (1500, 2000, 3), dtype=np.uint8)
+    loud = dataclasses.replace(result.showcase, image_left=noise, image_right=noise)
+    assert len(report_html(dataclasses.replace(result, showcase=loud)).encode()) < 5_000_000
+
+
+def test_the_same_result_gives_the_same_page(result: SweepResult) -> None:
+    assert report_html(result) == report_html(result)
