@@ -7,6 +7,7 @@
     ├── InvalidNoise          a pixel noise that cannot exist
     ├── InvalidRange          a range, list or quantity that cannot be read
     ├── InvalidScene          a scene, preset or mount that cannot be used
+    │   └── NothingSeen       the left camera sees nothing there
     ├── RenderUnavailable     no renderer of the kind asked for
     ├── RenderMismatch        the renderer disagrees with rays or with the rig
     ├── TriangulatorError     a triangulator that is unknown, raises, or returns the wrong thing
@@ -37,6 +38,10 @@ class InvalidRange(RigsimError, ValueError):
 
 class InvalidScene(RigsimError, ValueError):
     """A scene, preset or mount that cannot be used."""
+
+
+class NothingSeen(InvalidScene):
+    """The left camera sees nothing (within the range asked for)."""
 
 
 class RenderUnavailable(RigsimError, RuntimeError):

@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from rigsim.errors import InvalidScene
+from rigsim.errors import InvalidScene, NothingSeen
 from rigsim.rig.arrays import Array, Ids, Mask
 from rigsim.sim import rays
 from rigsim.sim.scene import Scene
@@ -72,7 +72,7 @@ def sample_truth(
         range_m: nearest and farthest depth to keep, m.
 
     Raises:
-        InvalidScene: the left camera sees nothing (within the range).
+        NothingSeen: the left camera sees nothing (within the range).
     """
     rig = scene.rig
     if rig is None:
@@ -83,14 +83,14 @@ def sample_truth(
     depth, geom = rays.depth_at(scene, 0, uv)
     kept = np.isfinite(depth)
     if not kept.any():
-        raise InvalidScene(
+        raise NothingSeen(
             f"scene {scene.name}: the left camera at {scene.mount} sees nothing; turn or move the mount"
         )
     if range_m is not None:
         seen = f"{np.nanmin(depth):.3g} to {np.nanmax(depth):.3g} m"
         kept &= (depth >= range_m[0]) & (depth <= range_m[1])
         if not kept.any():
-            raise InvalidScene(
+            raise NothingSeen(
                 f"scene {scene.name}: nothing between {range_m[0]:g} and {range_m[1]:g} m; "
                 f"the left camera sees {seen}: choose another --range"
             )

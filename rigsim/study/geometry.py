@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rigsim.errors import NothingSeen
 from rigsim.rig.arrays import Ids
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
@@ -13,7 +14,7 @@ from rigsim.sim.frame import StereoFrame
 from rigsim.sim.simulator import Simulator
 from rigsim.sim.truth import GroundTruth, depth_edges_m
 from rigsim.study.plan import Plan, triangulator_label
-from rigsim.study.rows import Evidence, Row, configuration, depth_rows, overall_row
+from rigsim.study.rows import Evidence, Row, configuration, depth_rows, empty_row, overall_row
 from rigsim.study.statistics import ErrorStatistics
 from rigsim.study.trial import Prediction, predict, run_trials
 
@@ -48,7 +49,10 @@ def look(simulator: Simulator, rig: StereoRig, plan: Plan) -> Look:
 
 def run_rig(simulator: Simulator, rig: StereoRig, plan: Plan) -> Outcome:
     """All rows of one rig; a noise level or a triangulator draws nothing again."""
-    truth = look(simulator, rig, plan).truth
+    try:
+        truth = look(simulator, rig, plan).truth
+    except NothingSeen as error:
+        return _blind(simulator, rig, plan, str(error))
     depth_m = truth.points_left[:, 2]
     near_m, far_m = plan.range_m or (float(depth_m.min()), float(depth_m.max()))
     edges_m = depth_edges_m(near_m, far_m)
@@ -66,6 +70,15 @@ def run_rig(simulator: Simulator, rig: StereoRig, plan: Plan) -> Outcome:
             outcome.rows.append(overall_row(head, evidence))
             outcome.by_depth.extend(depth_rows(head, evidence))
     return outcome
+
+
+def _blind(simulator: Simulator, rig: StereoRig, plan: Plan, why: str) -> Outcome:
+    """The rows of a rig that sees nothing: one such rig does not end a sweep."""
+    labels = [triangulator_label(method) for method in plan.triangulators]
+    heads = (
+        configuration(simulator.scene.name, rig, noise, label) for noise in plan.noises for label in labels
+    )
+    return Outcome([empty_row(head, plan.n_trials, why) for head in heads], [])
 
 
 def simulate(

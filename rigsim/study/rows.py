@@ -17,6 +17,7 @@ from rigsim.study.trial import LOW_DISPARITY_SIGMAS, Prediction
 AGREEMENT_SIGMAS = 4.0
 """Standard errors by which prediction and simulation may differ: one false alarm in 16,000 rows."""
 
+_FAILED = (3, 1e-3)  # more failures than this, in number and share, are no accident at 4 sigma
 _EXACT = 1e-9  # relative error that is arithmetic alone
 _DIGITS = 12
 
@@ -66,6 +67,12 @@ def overall_row(head: Row, evidence: Evidence) -> Row:
     return {name: (head | body)[name] for name in ROW_COLUMNS}
 
 
+def empty_row(head: Row, n_trials: int, why: str) -> Row:
+    """The row of sweep.csv for a rig that has no truth points."""
+    nothing = dict.fromkeys(ROW_COLUMNS, math.nan) | {"n_points": 0, "n_trials": n_trials}
+    return nothing | {"visible_fraction": 0.0, "overlap_fraction": 0.0, "agreement": f"flagged: {why}"} | head
+
+
 def depth_rows(head: Row, evidence: Evidence) -> list[Row]:
     """The rows of sweep_by_depth.csv: one for each bin that holds points."""
     rows = []
@@ -99,7 +106,6 @@ def _body(evidence: Evidence, inside: Mask, groups: slice) -> Row:
         nothing = dict.fromkeys(ROW_COLUMNS[ROW_COLUMNS.index("depth_median_mm") :], math.nan)
         return {**row, **nothing, "agreement": _why_nothing(tried, low[visible_inside])}
     predicted_m = _rms(evidence.prediction.depth_rmse_m[kept])
-    slack_m = _rms((evidence.prediction.depth_rmse_m + evidence.prediction.truncation_m)[kept])
     median_m = float(np.median(depth_m[kept]))
     return {
         **row,
@@ -115,22 +121,35 @@ def _body(evidence: Evidence, inside: Mask, groups: slice) -> Row:
         "predicted_depth_rmse_mm": predicted_m * 1e3,
         "predicted_over_simulated": predicted_m / summary.rmse_m if predicted_m > 0 else math.nan,
         "nees": summary.nees,
-        "agreement": _agreement(predicted_m, slack_m, median_m, summary),
+        "agreement": _agreement(evidence, kept, summary, median_m),
     }
 
 
-def _agreement(predicted_m: float, slack_m: float, median_m: float, summary: ErrorSummary) -> str:
-    """Whether prediction and simulation differ by more than noise, truncation and arithmetic explain."""
-    floor = (_EXACT * median_m) ** 2
-    allowed = AGREEMENT_SIGMAS * summary.mean_square_se_m2 + (slack_m**2 - predicted_m**2) + floor
-    difference = summary.rmse_m**2 - predicted_m**2
-    if abs(difference) <= allowed:
+def _agreement(evidence: Evidence, kept: Mask, summary: ErrorSummary, median_m: float) -> str:
+    """Whether prediction and simulation differ by more than noise, truncation and arithmetic explain.
+
+    The simulation's scatter is taken from the errors themselves, but between one and three times what
+    was predicted: a triangulator that errs wildly must not be excused by its own scatter.
+    """
+    prediction, n_trials = evidence.prediction, evidence.stats.n_trials
+    tried = int(kept.sum()) * n_trials
+    failed = tried - summary.n
+    if failed > _FAILED[0] and failed > _FAILED[1] * tried:
+        return f"flagged: {failed / tried:.2%} of the triangulations failed"
+    predicted_m = _rms(prediction.depth_rmse_m[kept])
+    slack_m2 = _rms((prediction.depth_rmse_m + prediction.truncation_m)[kept]) ** 2 - predicted_m**2
+    expected_se_m2 = math.sqrt(float((prediction.square_std_m2[kept] ** 2).sum()) * n_trials) / tried
+    se_m2 = min(max(summary.mean_square_se_m2, expected_se_m2), 3 * expected_se_m2)
+    difference_m2 = summary.rmse_m**2 - predicted_m**2
+    if abs(difference_m2) <= AGREEMENT_SIGMAS * se_m2 + slack_m2 + (_EXACT * median_m) ** 2:
         return "agrees"
-    side = "above" if difference > 0 else "below"
     if predicted_m == 0:
         return f"flagged: simulated error {summary.rmse_m * 1e3:.3g} mm where none is predicted"
-    percent = abs(summary.rmse_m / predicted_m - 1) * 100
-    return f"flagged: simulated error {percent:.2g} % {side} the prediction"
+    ratio = summary.rmse_m / predicted_m
+    if ratio >= 2:
+        return f"flagged: simulated error {ratio:.3g} times the prediction"
+    side = "above" if ratio > 1 else "below"
+    return f"flagged: simulated error {abs(ratio - 1) * 100:.2g} % {side} the prediction"
 
 
 def _why_nothing(tried: int, low: Mask) -> str:

@@ -85,10 +85,10 @@ def _conclude(
     depth_table = pd.DataFrame(by_depth, columns=list(DEPTH_COLUMNS))
     order = words.rank(table)
     if not order:
-        reasons = "; ".join(sorted({str(reason).removeprefix("flagged: ") for reason in table["agreement"]}))
+        reasons = dict.fromkeys(str(reason).removeprefix("flagged: ") for reason in table["agreement"])
         raise InvalidScene(
-            f"scene {simulator.scene.name}: {reasons}: choose a smaller --baseline, another --range, "
-            "or another --mount"
+            f"scene {simulator.scene.name}: no result for any rig ({'; '.join(list(reasons)[:3])}): "
+            "choose a smaller --baseline, another --range or another --mount"
         )
     swept = words.swept_axes(table, ("baseline_mm", "hfov_deg", "width_px") if lens_note else AXES)
     per_rig = len(plan.noises) * len(plan.triangulators)

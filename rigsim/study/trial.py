@@ -32,6 +32,8 @@ class Prediction:
     """Second-order prediction of the RMS depth error, m."""
     truncation_m: Array
     """First neglected term, m: how far the prediction itself may be off."""
+    square_std_m2: Array
+    """Standard deviation of the squared depth error, m^2: how far a simulation may scatter."""
     whitening: Array
     """(6, N), 1/m; see `ErrorStatistics.add`."""
     low_disparity: Mask
@@ -39,12 +41,20 @@ class Prediction:
 
 
 def predict(rig: StereoRig, points_left: Array, noise: PixelNoise) -> Prediction:
-    """Predict the errors of points (N, 3) m seen through `noise`."""
+    """Predict the errors of points (N, 3) m seen through `noise`.
+
+    With ``a = var(Z) / Z^2``, the fourth moment of ``1 / (1 + x) - 1`` for Gaussian x of variance a is
+    ``3 a^2 (1 + 50 a + 1225 a^2 + ...)``.
+    """
     rmse_m, truncation_m = predict_depth_rmse(rig, points_left, noise)
+    covariance_m2 = predict_covariance(rig, points_left, noise)
+    variance_m2 = covariance_m2[:, 2, 2]
+    a = variance_m2 / points_left[:, 2] ** 2
     return Prediction(
         depth_rmse_m=rmse_m,
         truncation_m=truncation_m,
-        whitening=_whitening(predict_covariance(rig, points_left, noise)),
+        square_std_m2=variance_m2 * np.sqrt(3 * (1 + 50 * a + 1225 * a * a) - 1),
+        whitening=_whitening(covariance_m2),
         low_disparity=parallax_px(rig, points_left) < LOW_DISPARITY_SIGMAS * noise.disparity_std_px,
     )
 
@@ -102,4 +112,6 @@ def _whitening(covariance_m2: Array) -> Array:
         w10 = -l10 * w00 * w11
         w21 = -l21 * w11 * w22
         w20 = -(l20 * w00 + l21 * w10) * w22
-    return np.stack([w00, w10, w11, w20, w21, w22])
+    whitening = np.stack([w00, w10, w11, w20, w21, w22])
+    whitening[~np.isfinite(whitening)] = np.nan
+    return whitening

@@ -90,6 +90,7 @@ def judge(
     flagged = rows["agreement"] != "agrees"
     row = rows.loc[best]
     sentences = [
+        *_far_end(row, by_depth),
         *_trend(rows, swept, best),
         _agreement(rows, flagged),
         *_coverage(rows, swept),
@@ -108,21 +109,37 @@ def describe(row: pd.Series, axes: tuple[str, ...]) -> str:
 
 
 def _headline(row: pd.Series, by_depth: pd.DataFrame) -> str:
-    key = ["scene", *AXES]
-    bins = by_depth[(by_depth[key] == row[key]).all(axis=1) & by_depth["depth_rmse_mm"].notna()]
+    bins = _bins(row, by_depth)
     middle = bins[bins["depth_far_mm"] >= row["depth_median_mm"]].iloc[0]
     n = round(row["n_points"] * row["visible_fraction"])
-    near, far = middle["depth_near_mm"] / 1e3, middle["depth_far_mm"] / 1e3
+    ending = "and in agreement" if row["agreement"] == "agrees" else f"and {row['agreement']}"
     return (
-        f"At {near:.3g} to {far:.3g} m, {row['baseline_mm']:.4g} mm of baseline gives "
+        f"At {_depths(middle)}, {row['baseline_mm']:.4g} mm of baseline gives "
         f"{_mm(middle['depth_rmse_mm'])} RMS depth error; "
         f"predicted {_mm(middle['predicted_depth_rmse_mm'])}; "
-        + (
-            f"simulated on {n} points of `{row['scene']}` and in agreement."
-            if row["agreement"] == "agrees"
-            else f"simulated on {n} points of `{row['scene']}`, and {row['agreement']}."
-        )
+        f"simulated on {n} points of `{row['scene']}`, {ending}."
     )
+
+
+def _far_end(row: pd.Series, by_depth: pd.DataFrame) -> list[str]:
+    bins = _bins(row, by_depth)
+    if len(bins) < 2:
+        return []
+    last = bins.iloc[-1]
+    return [
+        f"At the far end, {_depths(last)}, the same rig gives {_mm(last['depth_rmse_mm'])} RMS "
+        f"(predicted {_mm(last['predicted_depth_rmse_mm'])}): it grows with the distance squared."
+    ]
+
+
+def _bins(row: pd.Series, by_depth: pd.DataFrame) -> pd.DataFrame:
+    """The depth bins of one row that hold a result, near to far."""
+    key = ["scene", *AXES]
+    return by_depth[(by_depth[key] == row[key]).all(axis=1) & by_depth["depth_rmse_mm"].notna()]
+
+
+def _depths(row: pd.Series) -> str:
+    return f"{row['depth_near_mm'] / 1e3:.3g} to {row['depth_far_mm'] / 1e3:.3g} m"
 
 
 def _trend(rows: pd.DataFrame, swept: tuple[str, ...], best: int) -> list[str]:
@@ -140,7 +157,7 @@ def _trend(rows: pd.DataFrame, swept: tuple[str, ...], best: int) -> list[str]:
     verb = "falls" if last["depth_rmse_mm"] < first["depth_rmse_mm"] else "rises"
     held = f" (at {describe(rows.loc[best], tuple(others))})" if others else ""
     return [
-        f"From {_say(axis, first[axis])} to {_say(axis, last[axis])}{held}, the depth error over the whole "
+        f"From {first[axis]:.4g} to {_say(axis, last[axis])}{held}, the depth error over the whole "
         f"scene {verb} from {_mm(first['depth_rmse_mm'])} to {_mm(last['depth_rmse_mm'])} RMS."
     ]
 

@@ -1,0 +1,5 @@
+"""`python -m rigsim` is `rigsim`."""
+
+from rigsim.cli import main
+
+main()
