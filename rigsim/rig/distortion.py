@@ -73,6 +73,8 @@ class BrownConrady:
             # past the fold of the polynomial Newton finds a mirrored root, or none
             J = self.jacobian(ideal)
             det = J[..., 0, 0] * J[..., 1, 1] - J[..., 0, 1] * J[..., 1, 0]
-            wrong = ~(np.abs(self.distort(ideal) - distorted).max(axis=-1) < _ACCEPTED) | ~(det > 0)
+            unmet = ~(np.abs(self.distort(ideal) - distorted).max(axis=-1) < _ACCEPTED)
+            # J is symmetric, and positive definite on the side of the fold that a lens shows
+            wrong = unmet | ~(det > 0) | ~(J[..., 0, 0] > 0)
         ideal[wrong] = np.nan
         return ideal

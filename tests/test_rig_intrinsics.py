@@ -1,0 +1,111 @@
+"""Pixels, lenses and their derivatives."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from sampling import LENS, cameras, close, vectors
+
+from rigsim.errors import InvalidRig
+from rigsim.rig.distortion import BrownConrady
+from rigsim.rig.intrinsics import Intrinsics
+
+CAMERA = Intrinsics(640, 480, 500.0, 400.0, 300.0, 250.0)
+
+
+def test_project_by_hand() -> None:
+    # u = 500 * 1/4 + 300, v = 400 * (-2)/4 + 250
+    close(CAMERA.project([[1.0, -2.0, 4.0]]), [[425.0, 50.0]])
+    close(CAMERA.normalize([[425.0, 50.0]]), [[0.25, -0.5]])
+    close(CAMERA.K @ [1.0, -2.0, 4.0], [4 * 425.0, 4 * 50.0, 4.0])
+
+
+def test_distortion_by_hand() -> None:
+    # r2 = 0.25 + 0.25 = 0.5, radial = 1 + 0.1*0.5 + 0.02*0.25 + 0.004*0.125 = 1.0555
+    lens = BrownConrady(k1=0.1, k2=0.02, p1=0.01, p2=0.03, k3=0.004)
+    x = 0.5 * 1.0555 + 2 * 0.01 * 0.5 * -0.5 + 0.03 * (0.5 + 2 * 0.25)
+    y = -0.5 * 1.0555 + 0.01 * (0.5 + 2 * 0.25) + 2 * 0.03 * 0.5 * -0.5
+    close(lens.distort(np.array([[0.5, -0.5]])), [[x, y]])
+    camera = Intrinsics(640, 480, 500.0, 400.0, 300.0, 250.0, lens)
+    close(camera.project([[2.0, -2.0, 4.0]]), [[500 * x + 300, 400 * y + 250]])
+
+
+def test_nothing_is_seen_behind_the_camera() -> None:
+    uv = CAMERA.project([[0.0, 0.0, 0.0], [1.0, 1.0, -1.0], [0.0, 0.0, 1e-3], [np.nan, 0.0, 1.0]])
+    assert np.isnan(uv[:2]).all()
+    close(uv[2], [300.0, 250.0])
+    assert np.isnan(uv[3, 0])
+    assert np.isnan(CAMERA.jacobian(np.array([[0.0, 0.0, -1.0]])))[0, 0, 0]
+
+
+@given(cameras(distorted=True), st.floats(-0.7, 0.7), st.floats(-0.5, 0.5), st.floats(0.2, 50.0))
+def test_normalize_inverts_project(camera: Intrinsics, x: float, y: float, z: float) -> None:
+    close(camera.normalize(camera.project([[x * z, y * z, z]])), [[x, y]], atol=1e-12)
+
+
+@given(cameras(distorted=True), vectors(1.0), st.floats(0.5, 20.0))
+def test_jacobian_is_the_slope_of_project(camera: Intrinsics, direction: np.ndarray, z: float) -> None:
+    point = np.array([[0.6 * z * direction[0], 0.5 * z * direction[1], z]])
+    step = 1e-6 * z
+    slope = np.stack(
+        [(camera.project(point + d) - camera.project(point - d)) / (2 * step) for d in step * np.eye(3)],
+        axis=-1,
+    )
+    close(camera.jacobian(point), slope, rtol=1e-6, atol=1e-5 * camera.fx / z)
+
+
+def test_undistort_says_where_it_has_no_answer() -> None:
+    # with k1 = -0.3 the radius r (1 - 0.3 r^2) never exceeds 0.7027
+    lens = BrownConrady(k1=-0.3)
+    ideal = lens.undistort(np.array([[0.7, 0.0], [0.72, 0.0], [np.nan, 0.0]]))
+    assert ideal[0, 0] < 1 / math.sqrt(0.9)
+    close(lens.distort(ideal[:1]), [[0.7, 0.0]])
+    assert np.isnan(ideal[1:]).all()
+
+
+def test_zero_distortion_is_no_distortion() -> None:
+    assert Intrinsics.from_focal(640, 480, 500.0, distortion=BrownConrady()).distortion is None
+    assert Intrinsics.from_focal(640, 480, 500.0, distortion=LENS).distortion == LENS
+
+
+def test_field_of_view_spans_the_outer_edges_of_the_pixels() -> None:
+    camera = Intrinsics.from_hfov(640, 480, 90.0)
+    close([camera.fx, camera.fy, camera.cx, camera.cy], [320.0, 320.0, 319.5, 239.5])
+    close(camera.hfov_deg, 90.0)
+    close(camera.vfov_deg, 2 * math.degrees(math.atan(240 / 320)))
+    close(camera.normalize([[-0.5, 239.5], [639.5, 239.5]])[:, 0], [-1.0, 1.0])
+    # off centre: atan(300.5/500) + atan(339.5/500)
+    close(CAMERA.hfov_deg, math.degrees(math.atan(300.5 / 500) + math.atan(339.5 / 500)))
+
+
+def test_from_lens() -> None:
+    camera = Intrinsics.from_lens(1280, 960, 6.0, 7.68)
+    close([camera.fx, camera.fy, camera.cx, camera.cy], [1000.0, 1000.0, 639.5, 479.5])
+
+
+def test_contains_ends_half_a_pixel_outside() -> None:
+    uv = np.array([[-0.5, -0.5], [639.5, 479.5], [-0.51, 0], [0, 479.51], [np.nan, 0]])
+    assert CAMERA.contains(uv).tolist() == [True, True, False, False, False]
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (lambda: Intrinsics(0, 480, 500, 500, 0, 0), "image width 0 px: must be a whole number >= 1"),
+        (lambda: Intrinsics(640, 480.5, 500, 500, 0, 0), "image height 480.5 px: must be a whole number"),
+        (lambda: Intrinsics(640, 480, 0, 500, 0, 0), "focal length fx 0 px: must be > 0"),
+        (lambda: Intrinsics(640, 480, 500, math.nan, 0, 0), "focal length fy nan px: must be > 0"),
+        (lambda: Intrinsics(640, 480, 500, 500, math.inf, 0), "principal point cx inf px: must be a finite"),
+        (lambda: Intrinsics.from_hfov(640, 480, 180), "field of view 180 deg: must be > 0 and < 180"),
+        (lambda: Intrinsics.from_lens(640, 480, 8, 0), "sensor width 0 mm: must be > 0"),
+        (lambda: Intrinsics.from_lens(640, 480, -8, 5), "focal length -8 mm: must be > 0"),
+        (lambda: BrownConrady(k2=math.nan), "distortion k2 nan: must be a finite number"),
+    ],
+)
+def test_impossible_cameras_are_named(make, says: str) -> None:
+    with pytest.raises(InvalidRig, match=says):
+        make()
