@@ -1,1 +1,1 @@
-"""What should happen: triangulation, uncertainty, sensitivity and limits; numpy only, knows no image."""
+"""What should happen: triangulation and the closed forms of its errors; knows no image."""

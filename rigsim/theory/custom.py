@@ -1,0 +1,89 @@
+"""A user's own triangulator in the slot of the built-in ones."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import reduce
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from rigsim.errors import TriangulatorError
+from rigsim.rig.arrays import Array
+from rigsim.rig.stereo import StereoRig
+
+Triangulator: TypeAlias = Callable[[StereoRig, Array, Array], Array]
+"""``(rig, uv_left (N, 2) px, uv_right (N, 2) px) -> points_left (N, 3) m``; a row it cannot do is NaN."""
+
+
+@dataclass(frozen=True, slots=True)
+class CheckedTriangulator:
+    """Calls a user's triangulator and holds it to the contract.
+
+    It gets copies, so it may overwrite them. Rows with a NaN or an infinity come back as NaN.
+
+    Raises:
+        TriangulatorError: on a call, when the function raises or returns anything but real (N, 3).
+    """
+
+    function: Callable[..., Any]
+    """What is called."""
+    name: str
+    """What messages call it."""
+
+    def __call__(self, rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
+        """Points (N, 3) m in the left camera's frame of pixels (N, 2)."""
+        try:
+            result = np.asarray(self.function(rig, uv_left.copy(), uv_right.copy()))
+        except Exception as error:
+            raise TriangulatorError(f"triangulator {self.name!r} raised {first_line(error)}") from error
+        expected = (len(uv_left), 3)
+        if result.shape != expected:
+            raise TriangulatorError(
+                f"triangulator {self.name!r} returned shape {result.shape}: must be {expected}, a row a point"
+            )
+        if result.dtype.kind not in "fiu":
+            raise TriangulatorError(
+                f"triangulator {self.name!r} returned type {result.dtype}: must be real numbers"
+            )
+        points = result.astype(np.float64)
+        points[~np.isfinite(points).all(axis=1)] = np.nan
+        return points
+
+
+def load(name: str) -> CheckedTriangulator:
+    """The function called ``package.module:function``; modules of the working folder are found too.
+
+    Raises:
+        TriangulatorError: it cannot be imported, does not exist, or cannot be called.
+    """
+    module_name, _, attribute = name.partition(":")
+    if not module_name or not attribute:
+        raise TriangulatorError(f"triangulator {name!r}: must be written package.module:function")
+    here = os.getcwd()
+    sys.path.append(here)
+    try:
+        function = reduce(getattr, attribute.split("."), importlib.import_module(module_name))
+    except AttributeError as error:
+        raise TriangulatorError(f"triangulator {name!r}: {first_line(error)}") from error
+    except Exception as error:
+        raise TriangulatorError(
+            f"triangulator {name!r}: cannot import {module_name} ({first_line(error)})"
+        ) from error
+    finally:
+        sys.path.remove(here)
+    if not callable(function):
+        raise TriangulatorError(
+            f"triangulator {name!r}: {attribute} is a {type(function).__name__}, not a function"
+        )
+    return CheckedTriangulator(function, name)
+
+
+def first_line(error: Exception) -> str:
+    """Type and first line of an error's message."""
+    lines = str(error).splitlines()
+    return f"{type(error).__name__}: {lines[0]}" if lines else type(error).__name__

@@ -1,0 +1,70 @@
+"""The two linear triangulators everybody knows, to compare with."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rigsim.rig.arrays import Array
+from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.stereo import StereoRig
+from rigsim.theory.blocks import blocks
+
+_BLOCK = 8192
+
+
+def triangulate_dlt(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
+    """Points (N, 3) m in the left camera's frame by the homogeneous linear method, in pixels.
+
+    Hartley & Zisserman, "Multiple View Geometry", 12.2: the right singular vector of the four equations
+    ``u (P3 X) = P1 X``, ``v (P3 X) = P2 X``. The same as cv2.triangulatePoints.
+    """
+    P_left = _projection(rig.left, np.eye(3), np.zeros(3))
+    P_right = _projection(rig.right, rig.right_from_left.R, rig.right_from_left.t)
+    xy_left = rig.left.normalize(uv_left) * (rig.left.fx, rig.left.fy)
+    xy_right = rig.right.normalize(uv_right) * (rig.right.fx, rig.right.fy)
+    points = np.full((len(uv_left), 3), np.nan)
+    # the decomposition refuses NaN, and would take the whole batch with it
+    finite = np.flatnonzero(np.isfinite(xy_left).all(axis=1) & np.isfinite(xy_right).all(axis=1))
+    with np.errstate(all="ignore"):
+        for block in blocks(len(finite), _BLOCK):
+            which = finite[block]
+            equations = np.concatenate(
+                [xy[which, :, None] * P[2] - P[:2] for xy, P in ((xy_left, P_left), (xy_right, P_right))],
+                axis=1,
+            )
+            X = np.linalg.svd(equations)[2][:, 3]
+            points[which] = X[:, :3] / X[:, 3:]
+        return in_front(rig, points)
+
+
+def triangulate_midpoint(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
+    """Points (N, 3) m in the left camera's frame halfway between the two rays where they pass closest."""
+    left = _rays(rig.left, uv_left)
+    right = _rays(rig.right, uv_right) @ rig.right_from_left.R
+    center = rig.right_from_left.inverse.t
+    with np.errstate(all="ignore"):
+        normal = np.cross(left, right)
+        normal /= np.einsum("ij,ij->i", normal, normal)[:, None]
+        along_left = np.einsum("ij,ij->i", np.cross(center, right), normal)
+        along_right = np.einsum("ij,ij->i", np.cross(center, left), normal)
+        points = 0.5 * (along_left[:, None] * left + center + along_right[:, None] * right)
+        points[~((along_left > 0) & (along_right > 0))] = np.nan
+        return in_front(rig, points)
+
+
+def in_front(rig: StereoRig, points_left: Array) -> Array:
+    """`points_left` (N, 3) with NaN in place of those that are not finite or not in front of both cameras."""
+    depth_right = points_left @ rig.right_from_left.R[2] + rig.right_from_left.t[2]
+    good = (points_left[:, 2] > 0) & (depth_right > 0) & np.isfinite(points_left).all(axis=1)
+    return np.where(good[:, None], points_left, np.nan)
+
+
+def _projection(camera: Intrinsics, R: Array, t: Array) -> Array:
+    """Projection matrix (3, 4) to pixels counted from the principal point."""
+    return np.array([[camera.fx], [camera.fy], [1.0]]) * np.column_stack([R, t])
+
+
+def _rays(camera: Intrinsics, uv: Array) -> Array:
+    """Directions (N, 3) with z = 1 in the camera's frame."""
+    xy = camera.normalize(uv)
+    return np.column_stack([xy, np.ones(len(xy))])

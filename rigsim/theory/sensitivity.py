@@ -1,0 +1,92 @@
+"""Depth error per unit of miscalibration: the true rig is ``perturbation.apply(assumed)``.
+
+Points are metres in the left camera's frame; each value is dZ per unit of the named field of
+`Perturbation`: m/rad, m/m, m/px, or m per unit of k1.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from rigsim.errors import InvalidRig
+from rigsim.rig.arrays import Array
+from rigsim.rig.distortion import BrownConrady
+from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.perturbation import NAMES
+from rigsim.rig.stereo import StereoRig
+from rigsim.theory.uncertainty import pixel_gain
+
+
+def depth_sensitivity(rig: StereoRig, points_left: npt.ArrayLike) -> dict[str, Array]:
+    """Depth error (N,) m per unit of each of the ten perturbations, in the order of their fields.
+
+    First order and analytic for any rig, `optimal` triangulating with the assumed `rig`: the pixels
+    move by their derivative in the perturbation, the depth follows through ``(J^T J)^-1 J^T``.
+    NaN behind a camera.
+    """
+    points = np.asarray(points_left, dtype=np.float64)
+    right, right_from_left = rig.right, rig.right_from_left
+    points_right = right_from_left.apply(points)
+    gain = pixel_gain(rig, points)[:, 2]
+    gain_left, gain_right = gain[:, :2], gain[:, 2:]
+    # a turn w of the camera's body moves the point by -w x P in its frame
+    turns = {
+        name: -np.cross(axis, points_right)
+        for name, axis in zip(("pitch_rad", "yaw_rad", "roll_rad"), np.eye(3), strict=True)
+    }
+    along_baseline = right_from_left.inverse.t / rig.baseline_m
+    shifts = {
+        name: np.broadcast_to(-right_from_left.R @ direction, points.shape)
+        for name, direction in (
+            ("baseline_m", along_baseline),
+            ("axial_m", np.array([0.0, 0.0, 1.0])),
+            ("vertical_m", np.array([0.0, 1.0, 0.0])),
+        )
+    }
+    depth_per_move = np.einsum("ni,nij->nj", gain_right, right.jacobian(points_right))
+    result = {name: np.einsum("nj,nj->n", depth_per_move, move) for name, move in (turns | shifts).items()}
+
+    distorted = (right.project(points_right) - (right.cx, right.cy)) / (right.fx, right.fy)
+    result["right_focal_px"] = np.einsum("ni,ni->n", gain_right, distorted)
+    result["right_cx_px"] = gain_right[:, 0].copy()
+    result["right_k1"] = np.einsum("ni,ni->n", gain_right, _k1_motion(right, points_right))
+    result["both_k1"] = result["right_k1"] + np.einsum("ni,ni->n", gain_left, _k1_motion(rig.left, points))
+    return {name: result[name] for name in NAMES}
+
+
+def rectified_depth_sensitivity(rig: StereoRig, points_left: npt.ArrayLike) -> dict[str, Array]:
+    """The same in closed form for rectified rigs, to read: x and y are the right camera's ``X/Z``, ``Y/Z``.
+
+    Raises:
+        InvalidRig: the rig is not rectified.
+    """
+    if not rig.is_rectified:
+        raise InvalidRig("rectified sensitivities: the rig is not rectified: use depth_sensitivity")
+    points = np.asarray(points_left, dtype=np.float64)
+    B, f = rig.baseline_m, rig.right.fx
+    with np.errstate(all="ignore"):
+        X, Y, Z = np.where(points[:, 2] > 0, points.T, np.nan)
+        x, x_left, y = (X - B) / Z, X / Z, Y / Z
+        per_angle = Z**2 / B
+        r2, r2_left = x**2 + y**2, x_left**2 + y**2
+    result = {
+        "yaw_rad": per_angle * (1 + x**2),
+        "pitch_rad": -per_angle * x * y,
+        "roll_rad": -per_angle * y,
+        "baseline_m": -Z / B,
+        "axial_m": Z * x / B,
+        "vertical_m": 0 * Z,
+        "right_focal_px": per_angle * x / f,
+        "right_cx_px": per_angle / f,
+        "right_k1": per_angle * x * r2,
+        "both_k1": per_angle * (x * r2 - x_left * r2_left),
+    }
+    return {name: result[name] for name in NAMES}
+
+
+def _k1_motion(camera: Intrinsics, points_camera: Array) -> Array:
+    """Derivative (N, 2) px of the projection in k1, ``f x r^2``."""
+    ideal = Intrinsics(1, 1, 1.0, 1.0, 0.0, 0.0).project(points_camera)
+    unit = BrownConrady(k1=1.0).distort(ideal) - ideal
+    return np.asarray(unit * (camera.fx, camera.fy))
