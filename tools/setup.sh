@@ -144,7 +144,9 @@ install_python_packages() {
     # pip undoes what it began when it fails by itself; only a kill leaves .venv unfinished
     rm -f "$venv/.rigsim-unfinished"
     reason=$(grep '^ERROR' "$venv/.rigsim-log" | head -n 1 | cut -c 1-200)
-    if grep -qE 'NewConnectionError|NameResolutionError|name resolution|ProxyError|ConnectTimeout|SSLError' \
+    if grep -q 'SSLError' "$venv/.rigsim-log"; then
+        reason="the package index's certificate is not trusted here (PIP_CERT names the right one to pip)"
+    elif grep -qE 'NewConnectionError|NameResolutionError|name resolution|ProxyError|ConnectTimeout' \
         "$venv/.rigsim-log"; then
         reason="no network: the Python packages could not be downloaded"
     fi
