@@ -3,6 +3,7 @@ from __future__ import annotations
 import io
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -24,9 +25,9 @@ def console(width: int = WIDTH, *, terminal: bool = False) -> Console:
     )
 
 
-def printed(result: SweepResult, width: int = WIDTH, report: str | None = "reports/x/report.html") -> str:
+def printed(result: SweepResult, width: int = WIDTH, folder: Path | None = Path("reports/x")) -> str:
     target = console(width)
-    print_sweep(result, target, report)
+    print_sweep(result, folder, console=target)
     assert isinstance(target.file, io.StringIO)
     return target.file.getvalue()
 
@@ -89,7 +90,7 @@ def test_code_marks_and_markup_are_not_for_terminals() -> None:
 
 
 def test_one_row_and_no_report() -> None:
-    text = printed(make_result((120,), n_points=50), report=None)
+    text = printed(make_result((120,), n_points=50), folder=None)
     assert "Result" in text
     assert "Report" not in text
 
@@ -97,10 +98,10 @@ def test_one_row_and_no_report() -> None:
 def test_plain_without_a_terminal_and_dressed_on_one() -> None:
     plain, dressed = console(), console(terminal=True)
     for target in (plain, dressed):
-        print_table(target, "Scenes", ["name", "what"], [["bin", "parts in a bin"]])
+        print_table("Scenes", ["name", "what"], [["bin", "parts in a bin"]], console=target)
     assert isinstance(plain.file, io.StringIO)
     assert isinstance(dressed.file, io.StringIO)
-    assert plain.file.getvalue() == "Scenes\nname  what\n--------------------\nbin   parts in a bin\n"
+    assert plain.file.getvalue() == "Scenes\nname  what\n--------------------\nbin   parts in a bin\n\n"
     assert "\x1b[1m" in dressed.file.getvalue()
     assert "─" in dressed.file.getvalue()
 
@@ -108,20 +109,29 @@ def test_plain_without_a_terminal_and_dressed_on_one() -> None:
 def test_only_the_last_words_wrap_and_only_between_words() -> None:
     target = console(40)
     about = "checker boards at half a metre to five metres, tilted in all directions"
-    print_table(target, "", ["name", "baseline, mm", "shows"], [["boards", 120, about], ["bin", 60, "parts"]])
+    print_table(
+        "", ["name", "baseline, mm", "shows"], [["boards", 120, about], ["bin", 60, "parts"]], console=target
+    )
     assert isinstance(target.file, io.StringIO)
     lines = target.file.getvalue().splitlines()
     assert max(map(len, lines)) <= 40
     assert lines[2].startswith("boards           120  checker")
-    assert " ".join(line[22:].strip() for line in lines[2:-1]) == about
-    assert lines[-1] == "bin               60  parts"
+    assert " ".join(line[22:].strip() for line in lines[2:-2]) == about
+    assert lines[-2] == "bin               60  parts"
+
+
+def test_numbers_stand_right_even_when_they_are_text() -> None:
+    target = console()
+    print_table("", ["a", "f, px"], [["x", "900"], ["y", "1200.5"], ["z", "–"]], console=target)
+    assert isinstance(target.file, io.StringIO)
+    assert target.file.getvalue().splitlines()[2:5] == ["x     900", "y  1200.5", "z       –"]
 
 
 def test_an_empty_table_is_just_its_heads() -> None:
     target = console()
-    print_table(target, "Nothing", ["a", "b"], [])
+    print_table("Nothing", ["a", "b"], [], console=target)
     assert isinstance(target.file, io.StringIO)
-    assert target.file.getvalue() == "Nothing\na  b\n----\n"
+    assert target.file.getvalue() == "Nothing\na  b\n----\n\n"
 
 
 def test_make_console_prints_brackets_as_they_are(capsys: pytest.CaptureFixture[str]) -> None:
@@ -131,7 +141,7 @@ def test_make_console_prints_brackets_as_they_are(capsys: pytest.CaptureFixture[
 
 def test_the_console_loads_neither_matplotlib_nor_pandas() -> None:
     code = (
-        "import sys, rigsim.present.console as c; c.print_table(c.make_console(), 't', ['a'], [[1]]);"
+        "import sys, rigsim.present.console as c; c.print_table('t', ['a'], [[1]]);"
         "print([m for m in ('matplotlib', 'pandas', 'mujoco', 'PIL') if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

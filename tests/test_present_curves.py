@@ -94,7 +94,7 @@ def test_further_axes_are_held_at_the_best_row_and_said_so() -> None:
     assert cut.lines is not None
     assert cut.lines.column == "vergence_deg"
     assert cut.held == {"noise_px": best["noise_px"]}
-    assert cut.note == f"pixel noise held at {best['noise_px']:g} px"
+    assert cut.note == f"pixel noise held at {best['noise_px']:g}\u00a0px"
     assert sum(len(part) for _, part in cut.parts(result.rows)) == 6
 
 

@@ -12,6 +12,7 @@ from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
+from rigsim.theory.limits import blind_zone_m
 
 # 800 px wide, f 400 px: the edges of the image lie 45 degrees to both sides
 WIDE = Intrinsics.from_focal(800, 600, 400.0)
@@ -92,6 +93,23 @@ def test_clip_of_a_square_by_a_right_angle() -> None:
     x, z = seen.T
     assert abs(np.sum(x * np.roll(z, -1) - z * np.roll(x, -1))) / 2 == pytest.approx(1.0, abs=1e-12)
     assert len(camera.clip(np.array([[-2.0, -1.0], [0.0, -1.0], [0.0, -0.1]]))) == 0
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.floats(0.02, 1.0), st.floats(-15.0, 40.0), st.floats(25.0, 100.0), st.floats(-80.0, 80.0))
+def test_the_nearest_overlap_is_where_theory_ends_the_blind_zone(
+    baseline: float, vergence: float, hfov: float, doffs: float
+) -> None:
+    lens = Intrinsics.from_hfov(640, 480, hfov)
+    right = Intrinsics.from_focal(640, 480, lens.fx, cx=lens.cx + doffs)
+    rig = StereoRig.verged(lens, baseline, vergence, right=right)
+    nearest = footprint(rig).nearest
+    blind = blind_zone_m(rig)
+    if blind < 1e3 * baseline:
+        assert nearest is not None
+        assert nearest[1] == pytest.approx(blind, rel=1e-6, abs=1e-9)
+    else:
+        assert nearest is None or nearest[1] > 900 * baseline
 
 
 @settings(max_examples=60, deadline=None)

@@ -130,6 +130,11 @@ def test_a_flagged_row_is_marked_by_text_and_by_colour(page: Page) -> None:
     assert "simulated 12.0 % above predicted" in page.text
 
 
+def test_the_title_names_what_was_swept() -> None:
+    three = make_result((100, 200), (0.1, 0.5), (0.0, 5.0), n_points=30)
+    assert "Sweep of baseline, vergence and pixel noise in boards" in Page(report_html(three)).text
+
+
 def test_agreement_is_said_when_there_is_any() -> None:
     calm = Page(report_html(make_result((100, 200), n_points=60)))
     assert "badge agrees" in calm.classes

@@ -132,6 +132,7 @@ def test_a_single_point_is_drawn_with_its_rays() -> None:
         (StereoRig.verged(LENS, 0.3, -120.0), np.empty((0, 3))),
         (StereoRig(LENS, LENS, Pose(t=np.array([0.0, 0.0, -0.3]))), np.array([[0.1, 0.0, 2.0]])),
         (StereoRig(LENS, LENS, Pose(t=np.array([0.0, -0.2, 0.0]))), np.array([[0.1, 0.0, 2.0]])),
+        (StereoRig.verged(LENS, 0.3, 4.0), np.array([[0.0, 0.0, 31.0]])),  # on the right camera's own plane
         (StereoRig.rectified(LENS, 5.0), np.array([[0.0, 0.0, 200.0], [9.0, 0.0, 30.0]])),
         (StereoRig.rectified(LENS, 0.01), np.array([[0.0, 0.0, 0.02], [0.01, 0.0, 0.05]])),
     ],

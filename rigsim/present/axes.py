@@ -97,13 +97,19 @@ def slice_along(result: SweepResult, x: Axis, axes: list[Axis]) -> Slice:
     best = best_row(result)
     lines = others[0] if others else None
     held = {axis.column: best[axis.column] for axis in others[1:]}
-    notes = [f"{axis.heading} held at {axis.say(best[axis.column])}" for axis in others[1:]]
+    notes = [held_words(axis, best[axis.column]) for axis in others[1:]]
     values: tuple[Any, ...] = ()
     if lines is not None:
         values = representative(lines.values, best[lines.column])
         if len(values) < len(lines.values):
             notes.insert(0, f"{len(values)} of {len(lines.values)} values of {lines.heading} shown")
     return Slice(x, lines, values, held, "; ".join(notes))
+
+
+def held_words(axis: Axis, value: Any) -> str:
+    """That an axis is held at a value; number and unit stay on one line."""
+    said = axis.say(value)
+    return f"{axis.heading} held at " + (said.replace(" ", "\u00a0") if axis.unit else said)
 
 
 def representative(values: tuple[Any, ...], wanted: Any, count: int = MAX_LINES) -> tuple[Any, ...]:

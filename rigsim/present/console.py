@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,6 +23,7 @@ _MOST_BEST = 5
 _MOST_REASONS = 3
 _GAP = 2
 _NARROWEST = 12
+_NUMBER = re.compile(r"[-−+]?\d[\d\u202f]*(\.\d+)?([eE][-+]?\d+)?|–")
 
 
 def make_console(*, stderr: bool = False, width: int | None = None) -> Console:
@@ -30,28 +32,27 @@ def make_console(*, stderr: bool = False, width: int | None = None) -> Console:
 
 
 def print_table(
-    console: Console,
     title: str,
     columns: Sequence[str],
     rows: Sequence[Sequence[object]],
     *,
     numeric: Sequence[bool] | None = None,
+    console: Console | None = None,
 ) -> None:
-    """Print a table with a heading.
+    """Print a table with a heading, and an empty line after it.
 
     Only the last column of words is wrapped when the terminal is narrow, and only between words.
 
     Args:
-        console: where to.
         title: heading; none when empty.
         columns: heads of the columns; a newline starts a second line.
         rows: values, one sequence a row, turned into text as they are.
         numeric: which columns stand right; by default those whose values are all numbers.
+        console: where to; standard output by default.
     """
+    console = console or make_console()
     if numeric is None:
-        numeric = [
-            bool(rows) and all(isinstance(row[i], int | float) for row in rows) for i in range(len(columns))
-        ]
+        numeric = [bool(rows) and all(_is_number(row[i]) for row in rows) for i in range(len(columns))]
     texts = [[str(value) for value in row] for row in rows]
     heads = [column.split("\n") for column in columns]
     widths = _widths(heads, texts)
@@ -77,18 +78,20 @@ def print_table(
         _say(console, _line(wrapped, widths, numeric))
         for part in more:
             _say(console, _line([part if i == loose else "" for i in range(len(row))], widths, numeric))
+    console.print()
 
 
-def print_sweep(result: SweepResult, console: Console, report: Path | str | None = None) -> None:
+def print_sweep(result: SweepResult, folder: Path | None = None, *, console: Console | None = None) -> None:
     """Print the end of a sweep: the verdict, the best rows beside their prediction, flags, and the report.
 
     Args:
         result: the sweep.
-        console: where to.
-        report: path of the HTML report; nothing is said about it when None.
+        folder: where its report.html is; nothing is said about it when None.
+        console: where to; standard output by default.
     """
     from rigsim.present.axes import swept_axes
 
+    console = console or make_console()
     axes = swept_axes(result)
     rows = result.rows
     places = list(result.best[:_MOST_BEST]) or list(range(min(len(rows), _MOST_BEST)))
@@ -108,16 +111,15 @@ def print_sweep(result: SweepResult, console: Console, report: Path | str | None
     columns = _fitting(_sweep_columns(result, varied, places), console.width)
     _paragraph(console, title, style="bold")
     print_table(
-        console,
         "",
         [column.head for column in columns],
         list(zip(*(column.cells for column in columns), strict=True)),
         numeric=[column.numeric for column in columns],
+        console=console,
     )
     _print_flags(result, console, axes)
-    if report is not None:
-        console.print()
-        _say(console, f"Report: {report}", "bold")
+    if folder is not None:
+        _say(console, f"Report: {folder / 'report.html'}", "bold")
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,7 +167,6 @@ def _print_flags(result: SweepResult, console: Console, axes: list[Axis]) -> Non
     flagged = rows[rows["agreement"] != "agrees"]
     if not len(flagged):
         return
-    console.print()
     _say(console, f"Flagged: {count(len(flagged))} of {count(len(rows))}", "bold yellow")
     for record in flagged.head(_MOST_REASONS).to_dict("records"):
         row: dict[Any, Any] = record
@@ -174,6 +175,11 @@ def _print_flags(result: SweepResult, console: Console, axes: list[Axis]) -> Non
         _paragraph(console, f"{where}: {why}" if where else why, "  ")
     if len(flagged) > _MOST_REASONS:
         _say(console, f"  and {count(len(flagged) - _MOST_REASONS)} more, listed in the report")
+    console.print()
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) or bool(isinstance(value, str) and _NUMBER.fullmatch(value))
 
 
 def _widths(heads: Sequence[Sequence[str]], rows: Sequence[Sequence[str]]) -> list[int]:

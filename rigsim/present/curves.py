@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from matplotlib.figure import Figure
 
 from rigsim.present import style
-from rigsim.present.axes import Axis, best_row, slice_along, swept_axes
+from rigsim.present.axes import Axis, best_row, held_words, slice_along, swept_axes
 from rigsim.present.chart import DEPTH, PANEL_HEIGHT, PANEL_WIDTH, RATIO_BOTTOM, SIDE, draw_chart
 from rigsim.present.heatmap import draw_heat_map, heat_map_axes
 from rigsim.study.result import SweepResult
@@ -50,7 +50,7 @@ def panels(result: SweepResult) -> list[Panel]:
     if pair is not None:
         held = [axis for axis in axes if axis not in pair]
         best = best_row(result)
-        note = "; ".join(f"{axis.heading} held at {axis.say(best[axis.column])}" for axis in held)
+        note = "; ".join(held_words(axis, best[axis.column]) for axis in held)
         title = f"Depth error against {pair[0].heading} and {pair[1].heading}"
         found.append(Panel("heat", title, note, "heat", pair))
     return found

@@ -1,10 +1,16 @@
-"""The files of a report as bytes; writing them is the caller's business."""
+"""The files people look at, as bytes; writing them is the caller's business."""
 
 from __future__ import annotations
 
+import numpy.typing as npt
+
 from rigsim.present import curves, report, style
-from rigsim.present.pictures import encode
+from rigsim.present.pictures import anaglyph, disparity_picture, encode, picture_limits, with_scale
+from rigsim.present.topdown import topdown_figure
+from rigsim.rig.noise import PixelNoise
+from rigsim.rig.stereo import StereoRig
 from rigsim.study.result import SweepResult
+from rigsim.study.snapshot import Snapshot
 
 
 def sweep_files(result: SweepResult) -> dict[str, bytes]:
@@ -17,3 +23,21 @@ def sweep_files(result: SweepResult) -> dict[str, bytes]:
         "left.png": encode(result.showcase.image_left),
         "right.png": encode(result.showcase.image_right),
     }
+
+
+def render_files(snapshot: Snapshot) -> dict[str, bytes]:
+    """Name to content: left.png, right.png, disparity.png, and anaglyph.png for images of one size."""
+    left, right = snapshot.frame.left.image, snapshot.frame.right.image
+    limits = picture_limits(snapshot.disparity)
+    disparity = with_scale(disparity_picture(snapshot.disparity, limits), limits, "disparity, px")
+    files = {"left.png": encode(left), "right.png": encode(right), "disparity.png": encode(disparity)}
+    if left.shape == right.shape:
+        files["anaglyph.png"] = encode(anaglyph(left, right))
+    return files
+
+
+def plot_points(
+    rig: StereoRig, points_left: npt.ArrayLike, noise: PixelNoise | None = None, title: str = ""
+) -> bytes:
+    """PNG of a few points (N, 3) m in the left camera's frame, from above, with lines of sight."""
+    return style.to_png(topdown_figure(rig, points_left, noise=noise, rays=True, title=title))

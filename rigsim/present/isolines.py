@@ -40,7 +40,14 @@ def draw_iso_lines(
     x = np.linspace(both[:, 0].min(), both[:, 0].max(), _GRID // 2)
     z = np.geomspace(0.7 * near, window.z_high, _GRID)
     grid = np.stack(np.meshgrid(x, [0.0], z, indexing="ij"), axis=-1).reshape(-1, 3)
-    std_mm = predict(rig, rig.rig_from_left.inverse.apply(grid), noise).reshape(len(x), len(z)).T * 1e3
+    points_left = rig.rig_from_left.inverse.apply(grid)
+    # one image width beyond the overlap too: the contours reach its edge and are cut there
+    near_view = np.ones(len(grid), dtype=bool)
+    for lens, uv in zip((rig.left, rig.right), rig.project(points_left), strict=True):
+        near_view &= np.abs(uv[:, 0] - lens.cx) < 2 * lens.width
+    std = np.full(len(grid), np.nan)
+    std[near_view] = predict(rig, points_left[near_view], noise)
+    std_mm = std.reshape(len(x), len(z)).T * 1e3
     seen = (view.left.sees(grid[:, [0, 2]]) & view.right.sees(grid[:, [0, 2]])).reshape(len(x), len(z)).T
     inside = std_mm[seen & np.isfinite(std_mm) & (std_mm > 0)]
     if not len(inside):

@@ -51,6 +51,13 @@ def depth_picture(depth_m: npt.ArrayLike, limits_m: tuple[float, float] | None =
     return _colored(inverse, None if limits_m is None else (1 / limits_m[1], 1 / limits_m[0]))
 
 
+def with_scale(picture: Image, limits: tuple[float, float], label: str) -> Image:
+    """The picture (H, W, 3) above a colour bar that says what its colours mean."""
+    from rigsim.present.scale import scale_strip
+
+    return np.concatenate([picture, scale_strip(picture.shape[1], limits, label)])
+
+
 def picture_limits(values: npt.ArrayLike) -> tuple[float, float]:
     """Ends of the colour map by default: the 1st and 99th percentile of the finite values."""
     array = np.asarray(values, dtype=np.float64)

@@ -86,7 +86,8 @@ def report_html(result: SweepResult, plan: Figure | None = None) -> str:
 
 def _title(result: SweepResult, axes: list[Axis]) -> str:
     scene = best_row(result)["scene"]
-    what = " and ".join(axis.heading for axis in axes)
+    names = [axis.heading for axis in axes]
+    what = " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
     return f"Sweep of {what} in {scene}" if what else f"One stereo rig in {scene}"
 
 
