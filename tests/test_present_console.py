@@ -141,7 +141,7 @@ def test_make_console_prints_brackets_as_they_are(capsys: pytest.CaptureFixture[
 
 def test_the_console_loads_neither_matplotlib_nor_pandas() -> None:
     code = (
-        "import sys, rigsim.present.console as c; c.print_table('t', ['a'], [[1]]);"
+        "import sys, rigsim.present, rigsim.present.console as c; c.print_table('t', ['a'], [[1]]);"
         "print([m for m in ('matplotlib', 'pandas', 'mujoco', 'PIL') if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
