@@ -135,7 +135,7 @@ def _agreement(evidence: Evidence, kept: Mask, summary: ErrorSummary, median_m: 
     tried = int(kept.sum()) * n_trials
     failed = tried - summary.n
     if failed > _FAILED[0] and failed > _FAILED[1] * tried:
-        return f"flagged: {failed / tried:.2%} of the triangulations failed"
+        return f"flagged: {failed / tried * 100:.2g} % of the triangulations failed"
     predicted_m = _rms(prediction.depth_rmse_m[kept])
     slack_m2 = _rms((prediction.depth_rmse_m + prediction.truncation_m)[kept]) ** 2 - predicted_m**2
     expected_se_m2 = math.sqrt(float((prediction.square_std_m2[kept] ** 2).sum()) * n_trials) / tried

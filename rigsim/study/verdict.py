@@ -16,10 +16,10 @@ _BIASED = 0.3
 _AXIS_WORDS = {
     "baseline_mm": ("baseline", "mm"),
     "focal_px": ("focal length", "px"),
-    "hfov_deg": ("field of view", "deg"),
+    "hfov_deg": ("field of view", "°"),
     "width_px": ("image width", "px"),
     "height_px": ("image height", "px"),
-    "vergence_deg": ("vergence", "deg"),
+    "vergence_deg": ("vergence", "°"),
     "noise_px": ("noise", "px"),
     "triangulator": ("triangulator", ""),
 }
@@ -184,12 +184,12 @@ def _coverage(rows: pd.DataFrame, swept: tuple[str, ...]) -> list[str]:
     coverage = rows["visible_fraction"]
     poor = coverage < WELL_COVERED * coverage.max()
     if not poor.any():
-        return [f"Both cameras see {coverage.min():.0%} or more of the points that the left one sees."]
+        return [f"Both cameras see {_percent(coverage.min())} or more of the points that the left one sees."]
     worst = rows.loc[coverage.idxmin()]
     return [
         f"The cameras share least at {describe(worst, swept) or 'this rig'}: both see only "
-        f"{worst['visible_fraction']:.0%} of what the left one sees, against {coverage.max():.0%} at best; "
-        f"rows under {WELL_COVERED:.0%} of the best coverage are not called best."
+        f"{_percent(worst['visible_fraction'])} of what the left one sees, against {_percent(coverage.max())} at best; "
+        f"rows under {_percent(WELL_COVERED)} of the best coverage are not called best."
     ]
 
 
@@ -197,7 +197,7 @@ def _low_disparity(row: pd.Series) -> list[str]:
     if not row["low_disparity_fraction"] > 0:
         return []
     return [
-        f"At the best rig {row['low_disparity_fraction']:.1%} of the points have a disparity under "
+        f"At the best rig {_percent(row['low_disparity_fraction'])} of the points have a disparity under "
         "4 standard deviations of its noise; they are counted, but kept out of the RMS."
     ]
 
@@ -206,7 +206,8 @@ def _say(axis: str, value: object) -> str:
     words, unit = _AXIS_WORDS[axis]
     if axis == "triangulator":
         return f"`{value}`"
-    return f"{value:.4g} {unit} of {words}"
+    space = "" if unit == "°" else " "
+    return f"{value:.4g}{space}{unit} of {words}"
 
 
 def _mm(value: float) -> str:
@@ -214,3 +215,9 @@ def _mm(value: float) -> str:
     if abs(value) >= 1000:
         return f"{value / 1000:.3g} m"
     return f"{value:.3g} mm"
+
+
+def _percent(fraction: float) -> str:
+    """Whole percent; one digit more where that would hide something."""
+    percent = fraction * 100
+    return f"{percent:.0f} %" if percent >= 1 or percent == 0 else f"{percent:.1g} %"
