@@ -189,7 +189,8 @@ def _coverage(rows: pd.DataFrame, swept: tuple[str, ...]) -> list[str]:
     return [
         f"The cameras share least at {describe(worst, swept) or 'this rig'}: both see only "
         f"{_percent(worst['visible_fraction'])} of what the left one sees, "
-        f"against {_percent(coverage.max())} at best; rows under {_percent(WELL_COVERED)} of the best coverage are not called best."
+        f"against {_percent(coverage.max())} at best; rows under {_percent(WELL_COVERED)} of the best "
+        "coverage are not called best."
     ]
 
 
