@@ -93,7 +93,7 @@ _MEANDER = np.array(
 
 
 def amphora(
-    rng: np.random.Generator, shape: Shape, *, base: str = "#b5683c", figure: str = "#241a16"
+    rng: np.random.Generator, shape: Shape, *, base: str = "#b5683c", figure: str = "#2a1e19"
 ) -> Plane:
     """Painted pottery, top row at the lip: bands, a meander, a frieze of mirrored figures, rays, crackle."""
     height, width = shape
@@ -112,16 +112,17 @@ def amphora(
     share[rays] = np.abs(x * 20 % 1 - 0.5) < 0.5 * (y[rays] - 0.77) / 0.16
     frieze = slice(int(0.32 * height), int(0.65 * height))
     half = width // 12
+    ornament = fractal(rng, shape, (16, 32), 4, gain=0.5)[frieze]
     for panel in range(6):
-        field = fractal(rng, shape, (8, 16), 3, gain=0.5)[frieze, :half]
+        field = ornament[:, panel * half : (panel + 1) * half]
         column = slice(panel * 2 * half, (panel + 1) * 2 * half)
         share[frieze, column] = smoothstep(-0.05, 0.05, np.concatenate([field, field[:, ::-1]], axis=1))
     first, second, _ = cellular(rng, shape, (24, 48))
     crackle = np.float32(0.3) * (1 - smoothstep(0.01, 0.035, second - first))
-    color = mix(rgb(base), rgb(figure), share * np.float32(0.92))
+    color = mix(rgb(base), rgb(figure), share * np.float32(0.88))
     flaked = smoothstep(1.15, 1.5, fractal(rng, shape, (8, 8), 6, gain=0.75))
     color = mix(color, rgb("#c89468"), np.float32(0.8) * flaked)
-    return np.asarray(color * (1 - crackle)[..., None] * grained(rng, shape, 0.11))
+    return np.asarray(color * (1 - crackle)[..., None] * grained(rng, shape, 0.15))
 
 
 def dial(

@@ -135,9 +135,9 @@ def bark(
     rng: np.random.Generator, shape: Shape, *, base: str = "#7a6653", dark: str = "#2e241c", ridges: int = 16
 ) -> Plane:
     """Ridges along x with dark furrows, scales and patches of lichen."""
-    ridges = fractal(rng, shape, (ridges, max(ridges // 4, 1)), 5, gain=0.65)
+    relief = fractal(rng, shape, (ridges, max(ridges // 4, 1)), 5, gain=0.65)
     sway = np.float32(shape[0] / 40) * fractal(rng, shape, (8, 8), 3)
-    furrow = warp(np.abs(ridges), sway, sway)
+    furrow = warp(np.abs(relief), sway, sway)
     color = mix(rgb(dark), rgb(base), smoothstep(0.02, 0.75, furrow))
     lichen = smoothstep(0.9, 1.3, fractal(rng, shape, (8, 8), 5, gain=0.75))
     color = mix(color, rgb("#a3a68b"), np.float32(0.75) * lichen)
@@ -171,7 +171,7 @@ def leaves(
         across = (c * axis[:, None] - s * axis) / (scale * np.float32(slender))
         mask = np.abs(across) < 1 - along**2
         rib = np.float32(0.35) * (np.abs(across) < np.float32(1.5) / (scale * np.float32(slender)))
-        sprites.append((mask, (np.float32(0.75) + np.float32(0.2) * across + rib)[..., None]))
+        sprites.append((mask[..., None], (np.float32(0.75) + np.float32(0.2) * across + rib)[..., None]))
     rows, cols = rng.integers(0, height, count), rng.integers(0, width, count)
     kinds = rng.integers(0, len(sprites), count)
     depth = np.linspace(0.35, 1.0, count, dtype=np.float32)
@@ -181,12 +181,27 @@ def leaves(
         * tints
         * (depth * (np.float32(0.8) + np.float32(0.5) * rng.random(count, np.float32)))[:, None]
     )
-    offsets = np.arange(-reach, reach + 1)
-    for row, col, kind, tone in zip(rows, cols, kinds, tones, strict=True):
-        mask, shade = sprites[kind]
-        place = np.ix_((row + offsets) % height, (col + offsets) % width)
-        color[place] = np.where(mask[..., None], tone * shade, color[place])
+    # leaves that cross an edge are drawn again beyond the opposite one; the middle is then cut out
+    canvas = np.pad(color, ((2 * reach, 2 * reach + 1), (2 * reach, 2 * reach + 1), (0, 0)), mode="wrap")
+    for i in range(count):
+        mask, shade = sprites[kinds[i]]
+        color_of_leaf = tones[i] * shade
+        for top in _copies(int(rows[i]), height, reach):
+            for left in _copies(int(cols[i]), width, reach):
+                window = canvas[top : top + 2 * reach + 1, left : left + 2 * reach + 1]
+                np.copyto(window, color_of_leaf, where=mask)
+    color = canvas[2 * reach : 2 * reach + height, 2 * reach : 2 * reach + width]
     return np.asarray(color * grained(rng, shape, 0.1))
+
+
+def _copies(at: int, size: int, reach: int) -> list[int]:
+    """Where patches begin that show a leaf centred `at` inside the canvas, or across its edges."""
+    begins = [at + reach]
+    if at < reach:
+        begins.append(at + size + reach)
+    if at >= size - reach:
+        begins.append(at - size + reach)
+    return begins
 
 
 def metal(
