@@ -24,8 +24,9 @@ def value_noise(rng: np.random.Generator, shape: tuple[int, int], cells: tuple[i
     The cells must divide the shape.
     """
     grid = rng.random(cells, dtype=np.float32) - np.float32(0.5)
-    rows = _stretch(grid, shape[0] // cells[0])
-    return np.ascontiguousarray(_stretch(np.ascontiguousarray(rows.T), shape[1] // cells[1]).T)
+    # columns first, while there are few rows to transpose
+    wide = np.ascontiguousarray(_stretch(np.ascontiguousarray(grid.T), shape[1] // cells[1]).T)
+    return _stretch(wide, shape[0] // cells[0])
 
 
 def _stretch(grid: Plane, step: int) -> Plane:
@@ -79,12 +80,12 @@ def cellular(
     for dy in (-1, 0, 1):
         for dx in (-1, 0, 1):
             row, col = (iy + dy) % rows, (ix + dx) % cols
-            away = (seed_y[row[:, None], col] + np.float32(dy) - y[:, None]) ** 2
-            away += (seed_x[row[:, None], col] + np.float32(dx) - x) ** 2
-            nearer = away < first
-            second = np.where(nearer, first, np.minimum(second, away))
-            first = np.where(nearer, away, first)
-            owner = np.where(nearer, row[:, None] * cols + col, owner)
+            across = np.take(seed_x[row], col, axis=1) + (np.float32(dx) - x)
+            down = np.take(seed_y[row], col, axis=1) + (np.float32(dy) - y)[:, None]
+            away = across * across + down * down
+            np.minimum(second, np.maximum(first, away), out=second)
+            np.copyto(owner, row[:, None] * cols + col, where=away < first)
+            np.minimum(first, away, out=first)
     return np.sqrt(first), np.sqrt(second), owner
 
 

@@ -117,8 +117,9 @@ def amphora(
         field = ornament[:, panel * half : (panel + 1) * half]
         column = slice(panel * 2 * half, (panel + 1) * 2 * half)
         share[frieze, column] = smoothstep(-0.05, 0.05, np.concatenate([field, field[:, ::-1]], axis=1))
-    first, second, _ = cellular(rng, shape, (24, 48))
+    first, second, _ = cellular(rng, (height // 2, width // 2), (24, 48))  # half as fine will do
     crackle = np.float32(0.3) * (1 - smoothstep(0.01, 0.035, second - first))
+    crackle = np.repeat(np.repeat(crackle, 2, axis=0), 2, axis=1)
     color = mix(rgb(base), rgb(figure), share * np.float32(0.88))
     flaked = smoothstep(1.15, 1.5, fractal(rng, shape, (8, 8), 6, gain=0.75))
     color = mix(color, rgb("#c89468"), np.float32(0.8) * flaked)
