@@ -57,6 +57,9 @@ def sweep(
         Path | None, typer.Option(help="Folder of the report.", show_default="reports/SCENE-TIME")
     ] = None,
     renderer: Annotated[str, typer.Option(help="auto, egl, osmesa or rays.")] = "auto",
+    supersample: Annotated[
+        int, typer.Option(help="Samples along each side of a drawn pixel: 1, 2 or 4.")
+    ] = 2,
     force: Annotated[bool, typer.Option("--force", help="Replace a report that is there.")] = False,
     yes: Annotated[bool, typer.Option("--yes", help=f"Run more than {MANY_RIGS} rigs.")] = False,
 ) -> None:
@@ -96,6 +99,7 @@ def sweep(
         n_trials=trials,
         seed=seed,
         renderer=renderer,
+        supersample=supersample,
         extra={"command": shlex.join(["rigsim", *sys.argv[1:]])},
     )
     with _progress(len(grid)) as progress:

@@ -11,6 +11,7 @@ Array: TypeAlias = npt.NDArray[np.float64]
 Mask: TypeAlias = npt.NDArray[np.bool_]
 Ids: TypeAlias = npt.NDArray[np.int32]
 Image: TypeAlias = npt.NDArray[np.uint8]
+Light: TypeAlias = npt.NDArray[np.float32]
 
 
 def frozen(values: npt.ArrayLike, shape: tuple[int, ...] | None = None) -> Array:

@@ -31,6 +31,15 @@ class BrownConrady:
                 raise InvalidRig(f"distortion {name} {value}: must be a finite number")
             object.__setattr__(self, name, value)
 
+    @property
+    def fold_radius2(self) -> float:
+        """Squared ideal radius (x/z)^2 + (y/z)^2 at which the radial polynomial turns back; infinite if it
+        never does. No lens shows what lies beyond: there the polynomial repeats the inner image."""
+        # r (1 + k1 r^2 + k2 r^4 + k3 r^6) has slope 1 + 3 k1 s + 5 k2 s^2 + 7 k3 s^3, s = r^2, here in 1/s
+        roots = np.roots([1.0, 3 * self.k1, 5 * self.k2, 7 * self.k3])
+        real = roots.real[(np.abs(roots.imag) <= 1e-9 * np.abs(roots)) & (roots.real > 1e-12)]
+        return float(1 / real.max()) if real.size else np.inf
+
     def distort(self, normalized: Array) -> Array:
         """Map ideal (N, 2) to distorted (N, 2) normalised coordinates."""
         x, y = normalized[..., 0], normalized[..., 1]
@@ -70,11 +79,8 @@ class BrownConrady:
                 ideal[..., 1] -= (J[..., 0, 0] * residual[..., 1] - J[..., 1, 0] * residual[..., 0]) / det
                 if np.nanmax(np.abs(residual), initial=0.0) < _CONVERGED:
                     break
-            # past the fold of the polynomial Newton finds a mirrored root, or none
-            J = self.jacobian(ideal)
-            det = J[..., 0, 0] * J[..., 1, 1] - J[..., 0, 1] * J[..., 1, 0]
+            # past the fold Newton finds a root of another branch, or none
             unmet = ~(np.abs(self.distort(ideal) - distorted).max(axis=-1) < _ACCEPTED)
-            # J is symmetric, and positive definite on the side of the fold that a lens shows
-            wrong = unmet | ~(det > 0) | ~(J[..., 0, 0] > 0)
+            wrong = unmet | ~((ideal**2).sum(axis=-1) < self.fold_radius2)
         ideal[wrong] = np.nan
         return ideal

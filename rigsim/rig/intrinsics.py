@@ -7,7 +7,7 @@ and its middle is ``(width - 1) / 2``, not ``width / 2``.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -109,11 +109,17 @@ class Intrinsics:
         )
 
     def project(self, points_camera: npt.ArrayLike) -> Array:
-        """Project points (..., 3) m in the camera's frame to uv (..., 2) px; NaN where z <= 0."""
+        """Project points (..., 3) m in the camera's frame to uv (..., 2) px.
+
+        NaN where z <= 0 or where the distorted lens shows nothing (`BrownConrady.fold_radius2`).
+        """
         points = np.asarray(points_camera, dtype=np.float64)
         z = points[..., 2:]
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             normalized = np.where(z > 0, points[..., :2] / z, np.nan)
+            if self.distortion is not None:
+                shown = (normalized**2).sum(axis=-1, keepdims=True) < self.distortion.fold_radius2
+                normalized = np.where(shown, normalized, np.nan)
         return self.denormalize(normalized)
 
     def denormalize(self, normalized: npt.ArrayLike) -> Array:
@@ -144,6 +150,18 @@ class Intrinsics:
         J[..., 0, :] *= self.fx
         J[..., 1, :] *= self.fy
         return J
+
+    def supersampled(self, k: int) -> Intrinsics:
+        """The same camera with k x k pixels in the place of one; averaged, they are the old pixel."""
+        return replace(
+            self,
+            width=k * self.width,
+            height=k * self.height,
+            fx=k * self.fx,
+            fy=k * self.fy,
+            cx=k * self.cx + (k - 1) / 2,
+            cy=k * self.cy + (k - 1) / 2,
+        )
 
     def contains(self, uv: Array) -> Mask:
         """Whether pixels (..., 2) lie on the image; NaN does not."""

@@ -6,16 +6,16 @@ from typing import Any
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
-from rigsim.rig.arrays import Array, Ids, Image, Mask
+from rigsim.rig.arrays import Array, Ids, Light, Mask
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.pose import Pose
-from rigsim.sim.frame import View
 from rigsim.sim.scene import Scene
 
 _BLOCK = 1 << 18
 _SURFACE = 1 - 1e-6
-_SKY = np.array([170.0, 195.0, 225.0])
+_SKY = np.array([0.67, 0.76, 0.88])
 _AMBIENT = 0.35
 
 
@@ -84,37 +84,68 @@ class RayRenderer:
         self._scene = scene
         self._colors = _geom_colors(scene.model)
 
-    def render(self, side: int) -> View:
-        """The left (0) or right (1) camera's picture."""
-        scene = self._scene
-        lens, world_from_camera = scene.lens(side), scene.world_from_camera(side)
-        rays_camera = _pixel_rays(lens)
-        depth, geom, normal = cast(scene, world_from_camera.t, rays_camera @ world_from_camera.R.T)
-        image = self._shade(rays_camera, geom, normal, world_from_camera)
-        shape = (lens.height, lens.width)
-        return View(image.reshape(*shape, 3), depth.reshape(shape), geom.reshape(shape))
+    def light(self, side: int, lens: Intrinsics, supersample: int) -> Light:
+        """Linear light (H, W, 3) that falls on the left (0) or right (1) camera through `lens`."""
+        fine = lens.supersampled(supersample)
+        world_from_camera = self._scene.world_from_camera(side)
+        light = np.zeros((lens.height, lens.width, 3), dtype=np.float32)
+        rows = max(1, _BLOCK // fine.width // supersample) * supersample
+        for top in range(0, fine.height, rows):
+            band = slice(top, min(top + rows, fine.height))
+            rays_camera = _pixel_rays(fine, band)
+            _, geom, normal = cast(self._scene, world_from_camera.t, rays_camera @ world_from_camera.R.T)
+            color = self._shade(rays_camera, geom, normal, world_from_camera)
+            light[top // supersample : band.stop // supersample] = box_average(
+                color.reshape(-1, fine.width, 3), supersample
+            )
+        return light
+
+    def depth_and_segmentation(self, side: int) -> tuple[Array, Ids]:
+        """Depth (H, W) m and geom id (H, W) at the pixel centres of the placed rig's camera."""
+        return depth_picture(self._scene, side)
 
     def close(self) -> None:
         """Nothing to give back."""
 
-    def _shade(self, rays_camera: Array, geom: Ids, normal_world: Array, world_from_camera: Pose) -> Image:
+    def _shade(self, rays_camera: Array, geom: Ids, normal_world: Array, world_from_camera: Pose) -> Array:
         """A lamp at the camera: brightness falls with the angle of incidence."""
         normal_camera = normal_world @ world_from_camera.R
         length = np.linalg.norm(rays_camera, axis=1)
         facing = np.abs(np.einsum("ij,ij->i", normal_camera, rays_camera)) / length
         color = self._colors[geom] * (_AMBIENT + (1 - _AMBIENT) * facing)[:, None]
         color[geom < 0] = _SKY
-        return np.asarray(np.clip(color, 0, 255).round(), dtype=np.uint8)
+        return np.asarray(np.clip(color, 0.0, 1.0))
 
 
-def _pixel_rays(lens: Intrinsics) -> Array:
-    v, u = np.mgrid[: lens.height, : lens.width]
+def depth_picture(scene: Scene, side: int) -> tuple[Array, Ids]:
+    """Depth (H, W) m, NaN for nothing, and geom id (H, W) at the pixel centres, by rays."""
+    lens, world_from_camera = scene.lens(side), scene.world_from_camera(side)
+    rays_camera = _pixel_rays(lens, slice(0, lens.height))
+    depth, geom, _ = cast(scene, world_from_camera.t, rays_camera @ world_from_camera.R.T)
+    shape = (lens.height, lens.width)
+    return depth.reshape(shape), geom.reshape(shape)
+
+
+def box_average(fine: npt.NDArray[Any], k: int) -> Light:
+    """Mean of each k x k block of (k H, k W, C), (H, W, C)."""
+    if k == 1:
+        return np.asarray(fine, dtype=np.float32)
+    total = np.zeros((fine.shape[0] // k, fine.shape[1] // k, fine.shape[2]), dtype=np.float32)
+    for dv in range(k):
+        for du in range(k):
+            total += fine[dv::k, du::k]
+    total /= k * k
+    return total
+
+
+def _pixel_rays(lens: Intrinsics, rows: slice) -> Array:
+    v, u = np.mgrid[rows, : lens.width]
     uv = np.column_stack([u.ravel(), v.ravel()]).astype(np.float64)
     return np.column_stack([lens.normalize(uv), np.ones(len(uv))])
 
 
 def _geom_colors(model: Any) -> Array:
-    """Mean colour of each geom, (ngeom, 3), grey levels: material and texture averaged."""
+    """Mean colour of each geom, (ngeom, 3), 0 to 1: material and texture averaged."""
     rgb = np.array(model.geom_rgba[:, :3], dtype=np.float64)
     for i, material in enumerate(model.geom_matid):
         if material < 0:
@@ -128,4 +159,4 @@ def _geom_colors(model: Any) -> Array:
             texels = model.tex_data[start : start + size].reshape(-1, channels)
             mean = texels[:, : min(channels, 3)].mean(axis=0) / 255
             rgb[i] *= mean if channels >= 3 else mean[0]
-    return np.asarray(rgb * 255)
+    return rgb

@@ -8,11 +8,10 @@ import mujoco
 import numpy as np
 
 from rigsim.errors import RenderMismatch, RenderUnavailable
-from rigsim.rig.arrays import Array, Ids
+from rigsim.rig.arrays import Array, Ids, Light
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.sim import rays
 from rigsim.sim.backend import make_gl_context
-from rigsim.sim.frame import View
 from rigsim.sim.scene import Scene
 
 MAX_SIDE_PX = 16384
@@ -33,9 +32,8 @@ class GlRenderer:
         """Make a renderer for pictures up to `width` x `height` px.
 
         Raises:
-            RenderUnavailable: the size is beyond the renderer's limit, or GL does not start.
+            RenderUnavailable: GL does not start.
         """
-        check_size(width, height)
         self.name = backend
         self._scene = scene
         self._size = (width, height)
@@ -51,49 +49,34 @@ class GlRenderer:
         self._context.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR
         self._geom_of_segment: Ids | None = None
 
-    def render(self, side: int) -> View:
-        """The left (0) or right (1) camera's picture.
+    def light(self, side: int, lens: Intrinsics, supersample: int) -> Light:
+        """Linear light (H, W, 3) that falls on the left (0) or right (1) camera through `lens`, 0 to 1.
+
+        Drawn `supersample` times as fine along each side and averaged, so that an edge lands
+        where the projection says.
+
+        Raises:
+            RenderMismatch: the frustum is not the lens's.
+            RenderUnavailable: the picture is larger than this renderer was made for.
+        """
+        rect = self._aim(side, lens.supersampled(supersample))
+        image = np.empty((rect.height, rect.width, 3), dtype=np.uint8)
+        mujoco.mjr_render(rect, self._scn, self._context)
+        mujoco.mjr_readPixels(image, None, rect, self._context)
+        light = rays.box_average(image[::-1], supersample)
+        light /= 255
+        return light
+
+    def depth_and_segmentation(self, side: int) -> tuple[Array, Ids]:
+        """Depth (H, W) m and geom id (H, W) at the pixel centres of the placed rig's camera.
+
+        Both in one pass: with ids for colours, anti-aliasing is off.
 
         Raises:
             RenderMismatch: the frustum is not the rig's.
+            RenderUnavailable: the picture is larger than this renderer was made for.
         """
-        lens = self._scene.lens(side)
-        if lens.width > self._size[0] or lens.height > self._size[1]:
-            raise RenderUnavailable(
-                f"picture {lens.width}x{lens.height} px: this renderer was made for "
-                f"{self._size[0]}x{self._size[1]}"
-            )
-        self._update(side)
-        check_frustum(lens, read_frustum(self._scn.camera[0], lens.width, lens.height))
-        rect = mujoco.MjrRect(0, 0, lens.width, lens.height)
-        image = np.empty((lens.height, lens.width, 3), dtype=np.uint8)
-        mujoco.mjr_render(rect, self._scn, self._context)
-        mujoco.mjr_readPixels(image, None, rect, self._context)
-        depth, segmentation = self._depth_and_segmentation(rect)
-        return View(image[::-1].copy(), depth, segmentation)
-
-    def close(self) -> None:
-        """Give the GL context back."""
-        if self._context is not None:
-            self._context.free()
-            self._gl.free()
-            self._context = None
-
-    def _update(self, side: int) -> None:
-        self._camera.fixedcamid = self._scene.camera_ids[side]
-        mujoco.mjv_updateScene(
-            self._scene.model,
-            self._scene.data,
-            self._options,
-            None,
-            self._camera,
-            mujoco.mjtCatBit.mjCAT_ALL.value,
-            self._scn,
-        )
-        self._scn.flags[mujoco.mjtRndFlag.mjRND_FOG] = 0
-
-    def _depth_and_segmentation(self, rect: Any) -> tuple[Array, Ids]:
-        """Both in one pass: with ids for colours, anti-aliasing is off and depth is at pixel centres."""
+        rect = self._aim(side, self._scene.lens(side))
         flags = self._scn.flags
         flags[mujoco.mjtRndFlag.mjRND_SEGMENT] = 1
         flags[mujoco.mjtRndFlag.mjRND_IDCOLOR] = 1
@@ -108,6 +91,35 @@ class GlRenderer:
         depth = self._metric_depth(raw[::-1])
         depth[segmentation < 0] = np.nan
         return depth, segmentation
+
+    def close(self) -> None:
+        """Give the GL context back."""
+        if self._context is not None:
+            self._context.free()
+            self._gl.free()
+            self._context = None
+
+    def _aim(self, side: int, lens: Intrinsics) -> Any:
+        """Make ready to draw one camera through `lens`; returns the rectangle to draw into."""
+        if lens.width > self._size[0] or lens.height > self._size[1]:
+            raise RenderUnavailable(
+                f"picture {lens.width}x{lens.height} px: this renderer was made for "
+                f"{self._size[0]}x{self._size[1]}"
+            )
+        self._scene.set_lens(side, lens)
+        self._camera.fixedcamid = self._scene.camera_ids[side]
+        mujoco.mjv_updateScene(
+            self._scene.model,
+            self._scene.data,
+            self._options,
+            None,
+            self._camera,
+            mujoco.mjtCatBit.mjCAT_ALL.value,
+            self._scn,
+        )
+        self._scn.flags[mujoco.mjtRndFlag.mjRND_FOG] = 0
+        check_frustum(lens, read_frustum(self._scn.camera[0], lens.width, lens.height))
+        return mujoco.MjrRect(0, 0, lens.width, lens.height)
 
     def _metric_depth(self, raw: Any) -> Array:
         """Undo the reversed-Z projection, whose matrix GL holds in single precision."""
@@ -129,16 +141,17 @@ class GlRenderer:
         return self._geom_of_segment
 
 
-def check_size(width: int, height: int) -> None:
+def check_size(lens: Intrinsics, supersample: int) -> None:
     """Refuse a picture that the software renderers cannot draw.
 
     Raises:
         RenderUnavailable: it is too large.
     """
-    if max(width, height) > MAX_SIDE_PX:
+    if max(lens.width, lens.height) * supersample > MAX_SIDE_PX:
+        finer = f", drawn {supersample} times as fine," if supersample > 1 else ""
         raise RenderUnavailable(
-            f"picture {width}x{height} px: the renderer's limit is {MAX_SIDE_PX} px a side; "
-            "choose a smaller --resolution"
+            f"picture {lens.width}x{lens.height} px{finer} is beyond the renderer's limit of "
+            f"{MAX_SIDE_PX} px a side: choose a smaller --resolution"
         )
 
 
@@ -173,7 +186,7 @@ def check_frustum(lens: Intrinsics, drawn: tuple[float, float, float, float]) ->
         )
 
 
-def check_depth(scene: Scene, side: int, view: View) -> float:
+def check_depth(scene: Scene, side: int, depth: Array, segmentation: Ids) -> float:
     """Compare the rendered depth with rays at some pixels away from edges; returns the worst error, m.
 
     Boxes, planes and meshes are exact in both; curved primitives are drawn with facets, so they
@@ -182,10 +195,10 @@ def check_depth(scene: Scene, side: int, view: View) -> float:
     Raises:
         RenderMismatch: they differ by more than that.
     """
-    inner = view.segmentation[1:-1, 1:-1]
+    inner = segmentation[1:-1, 1:-1]
     calm = inner >= 0
     for dv, du in ((0, 1), (2, 1), (1, 0), (1, 2)):
-        calm &= view.segmentation[dv : dv + inner.shape[0], du : du + inner.shape[1]] == inner
+        calm &= segmentation[dv : dv + inner.shape[0], du : du + inner.shape[1]] == inner
     v, u = np.nonzero(calm)
     if len(v) == 0:
         return 0.0
@@ -193,7 +206,7 @@ def check_depth(scene: Scene, side: int, view: View) -> float:
     chosen = np.linspace(0, len(v) - 1, min(_CHECKED_PIXELS, len(v))).astype(np.int64)
     v, u = v[chosen] + 1, u[chosen] + 1
     exact, geom = rays.depth_at(scene, side, np.column_stack([u, v]).astype(np.float64))
-    drawn, same = view.depth[v, u], geom == view.segmentation[v, u]
+    drawn, same = depth[v, u], geom == segmentation[v, u]
     error = np.where(same, np.abs(drawn - exact), 0.0)
     flat = np.isin(scene.model.geom_type[geom], _FLAT_GEOMS)
     allowed = np.where(

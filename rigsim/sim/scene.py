@@ -84,25 +84,28 @@ class Scene:
         """Move the two cameras to `rig`, in place: no recompile."""
         rig_from_left = rig.rig_from_left
         poses = (rig_from_left, rig_from_left @ rig.right_from_left.inverse)
-        for camera_id, lens, rig_from_camera in zip(
-            self.camera_ids, (rig.left, rig.right), poses, strict=True
-        ):
+        for side, rig_from_camera in enumerate(poses):
+            camera_id = self.camera_ids[side]
             world_from_camera = self.world_from_rig @ rig_from_camera
             quat = np.empty(4)
             mujoco.mju_mat2Quat(quat, (world_from_camera.R @ CV_FROM_GL).ravel())
             self.model.cam_pos[camera_id] = world_from_camera.t
             self.model.cam_quat[camera_id] = quat
-            self.model.cam_resolution[camera_id] = (lens.width, lens.height)
-            self.model.cam_sensorsize[camera_id] = (lens.width, lens.height)
-            self.model.cam_intrinsic[camera_id] = (
-                lens.fx,
-                lens.fy,
-                (lens.width - 1) / 2 - lens.cx,
-                (lens.height - 1) / 2 - lens.cy,
-            )
         mujoco.mj_kinematics(self.model, self.data)
         mujoco.mj_camlight(self.model, self.data)
         self.rig = rig
+
+    def set_lens(self, side: int, lens: Intrinsics) -> None:
+        """Give the left (0) or right (1) camera the pinhole that is to be drawn with."""
+        camera_id = self.camera_ids[side]
+        self.model.cam_resolution[camera_id] = (lens.width, lens.height)
+        self.model.cam_sensorsize[camera_id] = (lens.width, lens.height)
+        self.model.cam_intrinsic[camera_id] = (
+            lens.fx,
+            lens.fy,
+            (lens.width - 1) / 2 - lens.cx,
+            (lens.height - 1) / 2 - lens.cy,
+        )
 
     def world_from_camera(self, side: int) -> Pose:
         """Pose of the left (0) or right (1) camera, OpenCV axes, as MuJoCo holds it."""

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from rigsim.errors import InvalidRig
-from rigsim.rig.arrays import Array
+from rigsim.rig.arrays import Array, Ids, Light
+from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim import backend
 from rigsim.sim.frame import StereoFrame, View
@@ -18,13 +19,20 @@ if TYPE_CHECKING:
     from rigsim.sim.truth import GroundTruth
 
 
+SUPERSAMPLE = 2
+"""Samples along each side of a pixel, unless something else is asked for."""
+
+
 class Renderer(Protocol):
     """What draws pictures of the placed rig."""
 
     name: str
 
-    def render(self, side: int) -> View:
-        """The left (0) or right (1) camera's picture."""
+    def light(self, side: int, lens: Intrinsics, supersample: int) -> Light:
+        """Linear light (H, W, 3) on the left (0) or right (1) camera through `lens`."""
+
+    def depth_and_segmentation(self, side: int) -> tuple[Array, Ids]:
+        """Depth (H, W) m and geom id (H, W) at the pixel centres of the placed rig's camera."""
 
     def close(self) -> None:
         """Give back what is held."""
@@ -71,21 +79,43 @@ class Simulator:
         """Move the rig; no picture is drawn yet."""
         self.scene.place(rig)
 
-    def render(self) -> StereoFrame:
+    def render(
+        self, supersample: int = SUPERSAMPLE, lenses: tuple[Intrinsics, Intrinsics] | None = None
+    ) -> StereoFrame:
         """Both pictures of the placed rig, with the drawn depth checked against rays.
 
+        Args:
+            supersample: samples along each side of a pixel, averaged: 1, 2 or 4.
+            lenses: the pinholes to draw the light through, when they are not the rig's own: a lens with
+                distortion cannot be drawn, but a wider one can, and be resampled.
+
         Raises:
+            InvalidRig: the rig's lenses distort, and no pinholes were given.
             RenderMismatch: the renderer disagrees with the rig or with rays.
             RenderUnavailable: the pictures are too large.
         """
-        from rigsim.sim.render import check_depth
+        from rigsim.sim import rays
+        from rigsim.sim.render import check_depth, check_size
 
-        renderer = self._ready()
-        frame = StereoFrame(renderer.render(0), renderer.render(1))
-        if self.backend != "rays":
-            for side, view in enumerate((frame.left, frame.right)):
-                check_depth(self.scene, side, view)
-        return frame
+        rig = self._placed()
+        own = (rig.left, rig.right)
+        distorted = any(lens.distortion is not None for lens in own)
+        if lenses is None and distorted:
+            raise InvalidRig("lens distortion cannot be drawn: give the pinholes to draw with")
+        drawn = lenses or own
+        for lens in drawn:
+            check_size(lens, supersample)
+        renderer = self._ready([lens.supersampled(supersample) for lens in drawn])
+        views = []
+        for side in (0, 1):
+            light = renderer.light(side, drawn[side], supersample)
+            if distorted or self.backend == "rays":
+                views.append(View(light, *rays.depth_picture(self.scene, side)))
+                continue
+            depth, segmentation = renderer.depth_and_segmentation(side)
+            check_depth(self.scene, side, depth, segmentation)
+            views.append(View(light, depth, segmentation))
+        return StereoFrame(*views)
 
     def truth(
         self, n_points: int, rng: np.random.Generator, range_m: tuple[float, float] | None = None
@@ -106,7 +136,8 @@ class Simulator:
         """Name of what draws: rays, or what the GL library calls itself."""
         if self.backend == "rays":
             return "rays"
-        self._ready()
+        rig = self._placed()
+        self._ready([rig.left, rig.right])
         from OpenGL import GL
 
         return f"{self.backend}: {GL.glGetString(GL.GL_RENDERER).decode()}"
@@ -117,24 +148,23 @@ class Simulator:
             self._renderer.close()
             self._renderer = None
 
-    def _ready(self) -> Renderer:
-        """The renderer, made anew when the placed rig's pictures are larger than before."""
-        rig = self.scene.rig
-        if rig is None:
+    def _placed(self) -> StereoRig:
+        if self.scene.rig is None:
             raise InvalidRig("no rig was placed in the scene")
-        if rig.left.distortion or rig.right.distortion:
-            raise InvalidRig("lens distortion cannot be rendered: leave it out of the rig")
-        need = (max(rig.left.width, rig.right.width), max(rig.left.height, rig.right.height))
+        return self.scene.rig
+
+    def _ready(self, lenses: list[Intrinsics]) -> Renderer:
+        """The renderer, made anew when it is to draw larger pictures than before."""
+        from rigsim.sim.rays import RayRenderer
+        from rigsim.sim.render import GlRenderer
+
+        need = (max(lens.width for lens in lenses), max(lens.height for lens in lenses))
         if self._renderer is not None and (need[0] > self._size[0] or need[1] > self._size[1]):
             self.close()
         if self._renderer is None:
-            from rigsim.sim.rays import RayRenderer
-            from rigsim.sim.render import GlRenderer, check_size
-
-            check_size(*need)
+            self._size = (max(need[0], self._size[0]), max(need[1], self._size[1]))
             if self.backend == "rays":
                 self._renderer = RayRenderer(self.scene)
             else:
-                self._size = (max(need[0], self._size[0]), max(need[1], self._size[1]))
                 self._renderer = GlRenderer(self.scene, self.backend, *self._size)
         return self._renderer

@@ -42,7 +42,7 @@ class Look:
 def look(simulator: Simulator, rig: StereoRig, plan: Plan) -> Look:
     """Place the rig, draw both pictures and sample the truth."""
     simulator.place(rig)
-    frame = simulator.render()
+    frame = simulator.render(plan.supersample)
     rng = plan.stream("truth", simulator.scene.name, rig)
     return Look(frame, simulator.truth(plan.n_points, rng, plan.range_m))
 

@@ -17,8 +17,12 @@ from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
+from rigsim.sim.simulator import SUPERSAMPLE
 
 Triangulator: TypeAlias = str | Callable[[StereoRig, Array, Array], Array]
+
+SUPERSAMPLES = (1, 2, 4)
+"""Samples along each side of a pixel that may be asked for."""
 
 MAX_POINTS = 1_000_000
 """Most truth points of one rig: what fits in memory with room to spare."""
@@ -158,6 +162,8 @@ class Plan:
     """Seed of every random stream."""
     renderer: str = "auto"
     """auto, egl, osmesa or rays."""
+    supersample: int = SUPERSAMPLE
+    """Samples along each side of a drawn pixel: 1, 2 or 4."""
     extra: dict[str, object] = field(default_factory=dict, compare=False)
     """What the caller wants written into the provenance."""
 
@@ -170,6 +176,8 @@ class Plan:
             raise InvalidRange(f"seed {self.seed}: must be >= 0")
         if not self.noises or not self.triangulators:
             raise InvalidRange("a sweep needs at least one noise level and one triangulator")
+        if self.supersample not in SUPERSAMPLES:
+            raise InvalidRange(f"supersample {self.supersample}: must be 1, 2 or 4")
         if self.range_m is not None:
             near, far = self.range_m
             if not (math.isfinite(far) and 0 < near < far):

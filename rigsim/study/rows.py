@@ -69,8 +69,9 @@ def overall_row(head: Row, evidence: Evidence) -> Row:
 
 def empty_row(head: Row, n_trials: int, why: str) -> Row:
     """The row of sweep.csv for a rig that has no truth points."""
-    nothing = dict.fromkeys(ROW_COLUMNS, math.nan) | {"n_points": 0, "n_trials": n_trials}
-    return nothing | {"visible_fraction": 0.0, "overlap_fraction": 0.0, "agreement": f"flagged: {why}"} | head
+    row: Row = dict.fromkeys(ROW_COLUMNS, math.nan)
+    row |= {"n_points": 0, "n_trials": n_trials, "visible_fraction": 0.0, "overlap_fraction": 0.0}
+    return {**row, "agreement": f"flagged: {why}", **head}
 
 
 def depth_rows(head: Row, evidence: Evidence) -> list[Row]:
