@@ -58,13 +58,23 @@ def test_jacobian_is_the_slope_of_project(camera: Intrinsics, direction: np.ndar
     close(camera.jacobian(point), slope, rtol=1e-6, atol=1e-5 * camera.fx / z)
 
 
-def test_undistort_says_where_it_has_no_answer() -> None:
-    # with k1 = -0.3 the radius r (1 - 0.3 r^2) never exceeds 0.7027
+def test_nothing_is_seen_beyond_the_fold_of_a_lens() -> None:
+    # with k1 = -0.3 the radius r (1 - 0.3 r^2) grows to 0.7027 at r^2 = 1/0.9 and then shrinks
     lens = BrownConrady(k1=-0.3)
+    close(lens.fold_radius2, 1 / 0.9)
     ideal = lens.undistort(np.array([[0.7, 0.0], [0.72, 0.0], [np.nan, 0.0]]))
-    assert ideal[0, 0] < 1 / math.sqrt(0.9)
-    close(lens.distort(ideal[:1]), [[0.7, 0.0]])
+    close(ideal[0], [1.0, 0.0])
     assert np.isnan(ideal[1:]).all()
+    camera = Intrinsics.from_focal(640, 480, 300.0, distortion=lens)
+    uv = camera.project([[1.05, 0.0, 1.0], [1.06, 0.0, 1.0], [1.8, 0.0, 1.0]])
+    assert camera.contains(uv).tolist() == [True, False, False]
+
+
+def test_the_first_fold_counts() -> None:
+    # slope 1 - 3 s + 2 s^2 = (1 - s)(1 - 2 s) vanishes at s = 0.5 first
+    close(BrownConrady(k1=-1.0, k2=0.4).fold_radius2, 0.5)
+    assert BrownConrady(k1=0.1, k2=0.02, k3=0.001).fold_radius2 == math.inf
+    assert BrownConrady(k1=5e-324).fold_radius2 == math.inf
 
 
 def test_zero_distortion_is_no_distortion() -> None:
