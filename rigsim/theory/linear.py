@@ -20,8 +20,9 @@ def triangulate_dlt(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
     """
     P_left = _projection(rig.left, np.eye(3), np.zeros(3))
     P_right = _projection(rig.right, rig.right_from_left.R, rig.right_from_left.t)
-    xy_left = rig.left.normalize(uv_left) * (rig.left.fx, rig.left.fy)
-    xy_right = rig.right.normalize(uv_right) * (rig.right.fx, rig.right.fy)
+    with np.errstate(all="ignore"):
+        xy_left = rig.left.normalize(uv_left) * (rig.left.fx, rig.left.fy)
+        xy_right = rig.right.normalize(uv_right) * (rig.right.fx, rig.right.fy)
     points = np.full((len(uv_left), 3), np.nan)
     # the decomposition refuses NaN, and would take the whole batch with it
     finite = np.flatnonzero(np.isfinite(xy_left).all(axis=1) & np.isfinite(xy_right).all(axis=1))
@@ -39,10 +40,10 @@ def triangulate_dlt(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
 
 def triangulate_midpoint(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
     """Points (N, 3) m in the left camera's frame halfway between the two rays where they pass closest."""
-    left = _rays(rig.left, uv_left)
-    right = _rays(rig.right, uv_right) @ rig.right_from_left.R
     center = rig.right_from_left.inverse.t
     with np.errstate(all="ignore"):
+        left = _rays(rig.left, uv_left)
+        right = _rays(rig.right, uv_right) @ rig.right_from_left.R
         normal = np.cross(left, right)
         normal /= np.einsum("ij,ij->i", normal, normal)[:, None]
         along_left = np.einsum("ij,ij->i", np.cross(center, right), normal)

@@ -71,9 +71,9 @@ def rectified_depth_sensitivity(rig: StereoRig, points_left: npt.ArrayLike) -> d
         per_angle = Z**2 / B
         r2, r2_left = x**2 + y**2, x_left**2 + y**2
     result = {
-        "yaw_rad": per_angle * (1 + x**2),
-        "pitch_rad": -per_angle * x * y,
-        "roll_rad": -per_angle * y,
+        "yaw_rad": -per_angle * (1 + x**2),
+        "pitch_rad": per_angle * x * y,
+        "roll_rad": per_angle * y,
         "baseline_m": -Z / B,
         "axial_m": Z * x / B,
         "vertical_m": 0 * Z,

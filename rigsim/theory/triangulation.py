@@ -119,4 +119,5 @@ def _pixels(uv_left: npt.ArrayLike, uv_right: npt.ArrayLike) -> tuple[Array, Arr
 
 def _undistorted(camera: Intrinsics, uv: Array) -> Array:
     """Pixels (N, 2) where the same lens without distortion would see them."""
-    return camera.normalize(uv) * (camera.fx, camera.fy) + (camera.cx, camera.cy)
+    with np.errstate(all="ignore"):
+        return camera.normalize(uv) * (camera.fx, camera.fy) + (camera.cx, camera.cy)
