@@ -83,6 +83,23 @@ def write_folder(path: Path, files: Mapping[str, bytes], force: bool = False) ->
                 _remove_empty(made)
 
 
+def write_file(path: Path, content: bytes) -> None:
+    """Write one file whole, over an older one of that name.
+
+    Raises:
+        OutputError: its folder does not exist or cannot be written; an older file stays as it was.
+    """
+    temporary = path.absolute().parent / f".rigsim-{secrets.token_hex(4)}.tmp"
+    try:
+        _write_through(temporary, content)
+        os.replace(temporary, path)
+    except OSError as error:
+        reason = _REASONS.get(error.errno or 0, f"{error.strerror or error}; choose another folder")
+        raise OutputError(f"output file {path}: {reason}") from None
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
 def _check(path: Path, force: bool, names: Collection[str], needed_bytes: int) -> None:
     if path.is_dir():
         held = sorted(entry.name for entry in path.iterdir())

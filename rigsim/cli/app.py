@@ -1,0 +1,89 @@
+"""The commands, and how their errors and exit codes reach the shell."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from typing import Annotated, cast
+
+import typer
+
+from rigsim._version import __version__
+from rigsim.cli import calc
+from rigsim.cli.doctor import doctor
+from rigsim.cli.render import render
+from rigsim.cli.scenes import scenes
+from rigsim.cli.sweep import sweep
+from rigsim.errors import InvalidRange, RigsimError
+
+app = typer.Typer(
+    name="rigsim",
+    help="Design stereo camera rigs: depth accuracy predicted, simulated and measured, side by side.",
+    epilog="Start with: rigsim sweep --baseline 50:500",
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+app.command()(sweep)
+app.add_typer(calc.app)
+app.command()(render)
+app.command()(scenes)
+app.command()(doctor)
+
+
+# what typer raises for bad words has no public name, but one that derives from it has
+_UsageError = cast(type[Exception], typer.BadParameter.__bases__[0])
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"rigsim {__version__}")
+        raise typer.Exit
+
+
+@app.callback(invoke_without_command=True)
+def _root(
+    context: typer.Context,
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version and exit."),
+    ] = False,
+) -> None:
+    if context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+
+
+def run(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line `arguments` (the process's own by default); returns the exit code.
+
+    0 fine, 1 error, 2 usage, 3 outside tolerance, 130 interrupted. An error is one line on stderr.
+    """
+    try:
+        result = app(arguments, prog_name="rigsim", standalone_mode=False)
+        sys.stdout.flush()
+    except RigsimError as error:
+        return _fail(str(error), 2 if isinstance(error, InvalidRange) else 1)
+    except _UsageError as error:
+        return _fail(_in_one_line(error), 2)
+    except (KeyboardInterrupt, typer.Abort):
+        return 130
+    except BrokenPipeError:
+        # the reader has gone: nothing to say, and nothing left to flush at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    return result if isinstance(result, int) else 0
+
+
+def _fail(message: str, code: int) -> int:
+    print(f"rigsim: error: {' '.join(message.split())}", file=sys.stderr)
+    return code
+
+
+def _in_one_line(error: Exception) -> str:
+    """What typer says in a paragraph, and where to read on."""
+    says = getattr(error, "format_message", error.__str__)()
+    message = " ".join(str(says).split()).rstrip(".")
+    context = getattr(error, "ctx", None)
+    command = context.command_path if context is not None else "rigsim"
+    return f"{message[:1].lower()}{message[1:]}; see {command} --help"
