@@ -107,7 +107,9 @@ find_python() {
 }
 
 make_venv() {
+    # the scripts in a venv name its place, so one that was moved is of no use
     if [ -e "$venv/.rigsim-unfinished" ] \
+        || ! grep -qsF -- "$venv" "$venv/bin/activate" \
         || ! "$venv/bin/python" -c "$new_enough" >/dev/null 2>&1 \
         || ! "$venv/bin/python" -m pip --version >/dev/null 2>&1; then
         if ! find_python "$usable" && is_root && have apt-get; then
