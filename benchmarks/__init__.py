@@ -1,0 +1,1 @@
+"""Speed and accuracy against peers, as ratios: ``python -m benchmarks [name...]``."""
