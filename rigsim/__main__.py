@@ -1,5 +1,8 @@
 """`python -m rigsim` is `rigsim`."""
 
+import sys
+
 from rigsim.cli import main
 
-main()
+if __name__ == "__main__":  # worker processes import this file again
+    sys.exit(main())

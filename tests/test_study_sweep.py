@@ -118,9 +118,9 @@ def test_noise_and_triangulators_draw_nothing_again(scene: str, monkeypatch: pyt
     drawn: list[StereoRig | None] = []
     original = Simulator.render
 
-    def counted(self: Simulator):
+    def counted(self: Simulator, supersample: int):
         drawn.append(self.scene.rig)
-        return original(self)
+        return original(self, supersample)
 
     monkeypatch.setattr(Simulator, "render", counted)
     grid = RigGrid(RIG, baselines_m=(0.1, 0.2))
@@ -190,6 +190,13 @@ def test_rigs_without_overlap_are_flagged_among_others(scene: str):
     assert "sees nothing" in agreement[2]  # its left camera stands 20 m aside
     assert list(result.rows["visible_fraction"][1:]) == [0, 0]
     assert result.limits[1:] == ("no result", "no result")
+
+
+def test_no_overlap_anywhere_is_an_error(scene: str):
+    with pytest.raises(
+        InvalidScene, match=r"no rig has a result \(left and right share nothing\).*--baseline"
+    ):
+        sweep([StereoRig.rectified(LENS, 7.0)], plan(scene))
 
 
 def test_showcase_repeats_its_row(scene: str):

@@ -56,12 +56,16 @@ class RigOptions:
             base=self.base(scene),
             baselines_m=tuple(
                 mm / 1e3
-                for mm in (quantity.values(self.baseline, quantity.BASELINE) if self.baseline else ())
+                for mm in (
+                    quantity.values(self.baseline, quantity.BASELINE) if self.baseline is not None else ()
+                )
             ),
             focals_px=focals_px,
             hfovs_deg=hfovs_deg,
-            resolutions_px=quantity.resolutions(self.resolution) if self.resolution else (),
-            vergences_deg=quantity.values(self.vergence, quantity.VERGENCE) if self.vergence else (),
+            resolutions_px=quantity.resolutions(self.resolution) if self.resolution is not None else (),
+            vergences_deg=quantity.values(self.vergence, quantity.VERGENCE)
+            if self.vergence is not None
+            else (),
         )
 
     def single(self, scene: str) -> StereoRig:
@@ -77,7 +81,7 @@ class RigOptions:
 
     def _lenses(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Focal lengths in px and fields of view in deg; one of the two is empty."""
-        hfovs_deg = quantity.values(self.hfov, quantity.HFOV) if self.hfov else ()
+        hfovs_deg = quantity.values(self.hfov, quantity.HFOV) if self.hfov is not None else ()
         if self.focal is None:
             if self.sensor_width or self.pixel_pitch:
                 raise InvalidRange("--sensor-width and --pixel-pitch need a --focal in mm")

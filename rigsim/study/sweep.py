@@ -86,8 +86,10 @@ def _conclude(
     order = words.rank(table)
     if not order:
         reasons = dict.fromkeys(str(reason).removeprefix("flagged: ") for reason in table["agreement"])
+        if len(reasons) == 1 and next(iter(reasons)).startswith("scene "):
+            raise InvalidScene(next(iter(reasons)))
         raise InvalidScene(
-            f"scene {simulator.scene.name}: no result for any rig ({'; '.join(list(reasons)[:3])}): "
+            f"scene {simulator.scene.name}: no rig has a result ({'; '.join(list(reasons)[:3])}): "
             "choose a smaller --baseline, another --range or another --mount"
         )
     swept = words.swept_axes(table, ("baseline_mm", "hfov_deg", "width_px") if lens_note else AXES)
