@@ -6,12 +6,12 @@ from typing import Any
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from rigsim.rig.arrays import Array, Ids, Light, Mask
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.pose import Pose
 from rigsim.sim.scene import Scene
+from rigsim.sim.supersampling import box_average
 
 _BLOCK = 1 << 18
 _SURFACE = 1 - 1e-6
@@ -124,18 +124,6 @@ def depth_picture(scene: Scene, side: int) -> tuple[Array, Ids]:
     depth, geom, _ = cast(scene, world_from_camera.t, rays_camera @ world_from_camera.R.T)
     shape = (lens.height, lens.width)
     return depth.reshape(shape), geom.reshape(shape)
-
-
-def box_average(fine: npt.NDArray[Any], k: int) -> Light:
-    """Mean of each k x k block of (k H, k W, C), (H, W, C)."""
-    if k == 1:
-        return np.asarray(fine, dtype=np.float32)
-    total = np.zeros((fine.shape[0] // k, fine.shape[1] // k, fine.shape[2]), dtype=np.float32)
-    for dv in range(k):
-        for du in range(k):
-            total += fine[dv::k, du::k]
-    total /= k * k
-    return total
 
 
 def _pixel_rays(lens: Intrinsics, rows: slice) -> Array:

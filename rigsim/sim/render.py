@@ -13,6 +13,7 @@ from rigsim.rig.intrinsics import Intrinsics
 from rigsim.sim import rays
 from rigsim.sim.backend import make_gl_context
 from rigsim.sim.scene import Scene
+from rigsim.sim.supersampling import box_average
 
 MAX_SIDE_PX = 16384
 """Largest off-screen width or height the software renderers take."""
@@ -63,7 +64,7 @@ class GlRenderer:
         image = np.empty((rect.height, rect.width, 3), dtype=np.uint8)
         mujoco.mjr_render(rect, self._scn, self._context)
         mujoco.mjr_readPixels(image, None, rect, self._context)
-        light = rays.box_average(image[::-1], supersample)
+        light = box_average(image[::-1], supersample)
         light /= 255
         return light
 
