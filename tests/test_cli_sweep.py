@@ -263,3 +263,21 @@ def test_scenes_and_doctor_speak(tmp_path: Path):
     doctor = rigsim("doctor", cwd=tmp_path)
     assert doctor.returncode == 0
     assert "rays" in doctor.stdout
+
+
+@pytest.mark.parametrize("preset", ["osmesa", "egl", "glfw", "nonsense"])
+def test_a_preset_gl_library_that_is_missing_does_no_harm(tmp_path: Path, preset: str):
+    # importing mujoco with one of these set can kill the interpreter
+    done = rigsim(
+        "render",
+        "--renderer",
+        "rays",
+        "--resolution",
+        "64x48",
+        "--out",
+        "out",
+        cwd=tmp_path,
+        MUJOCO_GL=preset,
+    )
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out" / "left.png").exists()

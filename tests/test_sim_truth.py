@@ -10,7 +10,7 @@ import pytest
 
 from rigsim import Intrinsics, Simulator, StereoRig
 from rigsim.errors import InvalidScene
-from rigsim.sim.truth import balanced, depth_edges_m
+from rigsim.sim.points import balanced, depth_edges_m
 from tests.scenes import SLANTED, WALL_NORMAL_WORLD, WALL_POINT_WORLD, write
 
 RIG = StereoRig.rectified(Intrinsics.from_focal(320, 240, 300.0), 0.2)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -241,3 +243,10 @@ def test_nothing_to_sweep():
         sweep([])
     with pytest.raises(InvalidRange, match="jobs 0"):
         sweep([RIG], jobs=0)
+
+
+def test_a_study_leaves_mujoco_to_the_simulator():
+    # mujoco must not be imported before a working GL library was chosen for it
+    code = "import sys, rigsim.study.sweep, rigsim.study.snapshot; print('mujoco' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"

@@ -15,8 +15,8 @@ from rigsim.sim import backend
 from rigsim.sim.frame import StereoFrame, View
 
 if TYPE_CHECKING:
+    from rigsim.sim.points import GroundTruth
     from rigsim.sim.scene import Scene
-    from rigsim.sim.truth import GroundTruth
 
 
 SUPERSAMPLE = 2

@@ -2,56 +2,15 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-from typing import TypeAlias
-
 import numpy as np
-import numpy.typing as npt
 
 from rigsim.errors import InvalidScene, NothingSeen
-from rigsim.rig.arrays import Array, Ids, Mask
 from rigsim.sim import rays
+from rigsim.sim.points import GroundTruth, balanced
 from rigsim.sim.scene import Scene
 
 _OVERSAMPLING = 8
 _MIN_CANDIDATES = 1 << 14
-Counts: TypeAlias = npt.NDArray[np.int64]
-# Renard's R10: ten steps a decade, the numbers people use
-_R10 = (1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.3, 8.0)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class GroundTruth:
-    """Points with exact coordinates; one row a point."""
-
-    points_left: Array
-    """In the left camera's frame, (N, 3), m."""
-    visible_left: Mask
-    """Within the left image and not hidden from the left camera, (N,)."""
-    visible_right: Mask
-    """Within the right image and not hidden from the right camera, (N,)."""
-    in_right_image: Mask
-    """Within the right camera's field of view, hidden or not, (N,)."""
-    geom_ids: Ids
-    """MuJoCo geom the point lies on, (N,)."""
-
-    @property
-    def visible(self) -> Mask:
-        """Seen by both cameras, (N,)."""
-        return self.visible_left & self.visible_right
-
-
-def depth_edges_m(near_m: float, far_m: float) -> Array:
-    """Edges of the depth bins that hold [near, far], (n + 1,) m: steps of Renard's R10 series.
-
-    They depend on the depths alone, so that rows of different runs can be compared.
-    """
-    first, last = math.floor(math.log10(near_m)), math.ceil(math.log10(far_m))
-    series = np.array([round(step * 10.0**decade, 9) for decade in range(first, last + 1) for step in _R10])
-    start = max(int(np.searchsorted(series, near_m, side="right")) - 1, 0)
-    stop = max(int(np.searchsorted(series, far_m, side="left")), start + 1)
-    return series[start : stop + 1]
 
 
 def sample_truth(
@@ -109,37 +68,3 @@ def sample_truth(
         in_right_image=in_right_image,
         geom_ids=geom,
     )
-
-
-def balanced(depth_m: Array, n_points: int) -> Ids:
-    """Indices of at most `n_points` depths, as evenly spread over the depth bins as they allow.
-
-    Within a bin the first come are kept: random ones, when the depths come in random order.
-    """
-    if len(depth_m) <= n_points:
-        return np.arange(len(depth_m), dtype=np.int32)
-    edges = depth_edges_m(float(depth_m.min()), float(depth_m.max()))
-    bins = np.searchsorted(edges[1:-1], depth_m, side="right")
-    counts = np.bincount(bins, minlength=len(edges) - 1)
-    quota = _fill_evenly(counts, n_points)
-    order = np.argsort(bins, kind="stable")
-    rank = np.empty(len(depth_m), dtype=np.int64)
-    starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
-    rank[order] = np.arange(len(depth_m)) - np.repeat(starts, counts)
-    return np.flatnonzero(rank < quota[bins]).astype(np.int32)
-
-
-def _fill_evenly(counts: Counts, total: int) -> Counts:
-    """How many to take from each bin so that the sum is `total` and the largest share is smallest."""
-    quota = np.zeros_like(counts)
-    open_bins = counts > 0
-    left = total
-    while left > 0 and open_bins.any():
-        share = max(left // int(open_bins.sum()), 1)
-        take = np.minimum(counts - quota, share) * open_bins
-        if take.sum() > left:  # fewer left than bins: the first ones get one each
-            take[np.cumsum(take) > left] = 0
-        quota += take
-        left -= int(take.sum())
-        open_bins = quota < counts
-    return quota

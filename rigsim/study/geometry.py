@@ -11,8 +11,8 @@ from rigsim.rig.arrays import Ids
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.frame import StereoFrame
+from rigsim.sim.points import GroundTruth, depth_edges_m
 from rigsim.sim.simulator import Simulator
-from rigsim.sim.truth import GroundTruth, depth_edges_m
 from rigsim.study.plan import Plan, triangulator_label
 from rigsim.study.rows import Evidence, Row, configuration, depth_rows, empty_row, overall_row
 from rigsim.study.statistics import ErrorStatistics
