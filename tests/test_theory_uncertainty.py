@@ -14,6 +14,7 @@ from scipy.special import dawsn
 from rigsim.errors import InvalidRange
 from rigsim.rig.arrays import Array
 from rigsim.rig.noise import PixelNoise
+from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 from rigsim.theory.triangulation import triangulate
 from rigsim.theory.uncertainty import (
@@ -128,6 +129,22 @@ def test_simulated_spread_and_bias_are_the_predicted(kind: str, correlation: flo
     bias = predict_depth_bias(rig, point, noise)[0]
     assert standard_error < 0.01 * bias
     close(second_order.mean(), bias, atol=4 * standard_error + 5 * a * bias)
+
+
+def test_correlated_noise_bends_the_bias_of_crossed_cameras() -> None:
+    # strongly verged and rolled, so that correlation ties the depth to the residual: a tenth of the bias
+    rig = StereoRig(PLAIN, PLAIN, Pose.from_rotvec((0.0, -0.8, 1.0), (-1.5, 0.0, 0.6)))
+    point = np.array([[0.785, -0.446, 1.103]])
+    noise = PixelNoise(5.0, correlation=0.9)
+    uv_left, uv_right = (np.repeat(uv, SAMPLES, axis=0) for uv in rig.project(point))
+    noisy_left, noisy_right = noise.apply(uv_left, uv_right, np.random.default_rng(6))
+    error = triangulate(rig, noisy_left, noisy_right) - point
+    linear = np.hstack([noisy_left - uv_left, noisy_right - uv_right]) @ pixel_gain(rig, point)[0].T
+    second_order = (error - linear)[:, 2]
+    bias = predict_depth_bias(rig, point, noise)[0]
+    room = 4 * second_order.std() / math.sqrt(SAMPLES)
+    assert room < 0.04 * bias
+    close(second_order.mean(), bias, atol=room)
 
 
 @pytest.mark.parametrize("kind", RIGS)

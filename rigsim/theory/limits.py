@@ -91,8 +91,7 @@ def blind_zone_m(rig: StereoRig) -> float:
     ``B / (2 tan(hfov / 2))`` for a rectified rig of two equal cameras.
     """
     bounds = [bound for camera, pose in _cameras(rig) for bound in _edges(camera, pose).bounds]
-    nearest = max(pose.inverse.t[2] for _, pose in _cameras(rig))
-    farthest = math.inf
+    nearest, farthest = 0.0, math.inf
     # every lower bound must stay left of every upper bound: both are lines in z
     for lower in bounds:
         for upper in bounds:
@@ -104,7 +103,7 @@ def blind_zone_m(rig: StereoRig) -> float:
                     farthest = min(farthest, -room / slope)
                 elif room < 0:
                     return math.inf
-    return max(float(nearest), 0.0) if nearest < farthest else math.inf
+    return nearest if nearest < farthest else math.inf
 
 
 def depth_step_m(rig: StereoRig, depth_m: npt.ArrayLike, disparity_step_px: npt.ArrayLike = 1.0) -> Array:
@@ -179,8 +178,6 @@ def _common_stretch(rig: StereoRig, depth: Array) -> tuple[Array, Array]:
         for bound in _edges(camera, pose).bounds:
             x = bound.slope * depth + bound.offset
             lower, upper = (np.maximum(lower, x), upper) if bound.is_lower else (lower, np.minimum(upper, x))
-        behind = depth <= pose.inverse.t[2]
-        upper = np.where(behind, -np.inf, upper)
     return lower, upper
 
 
