@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import subprocess
 import sys
 import tomllib
@@ -42,6 +43,24 @@ def test_import_contract_names_every_room() -> None:
     named = {room.strip().removeprefix("rigsim.") for layer in layers for room in layer.split("|")}
     rooms = {path.parent.name for path in (CHECKOUT / "rigsim").glob("*/__init__.py")}
     assert named == rooms
+
+
+def test_what_the_package_imports_is_declared() -> None:
+    project = tomllib.loads((CHECKOUT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    declared = [*project["dependencies"], *project["optional-dependencies"]["vision"]]
+    names = {requirement.partition(">=")[0] for requirement in declared}
+    # imported under another name, or brought along by the package on the right
+    origin = {"PIL": "pillow", "cv2": "opencv-python-headless", "OpenGL": "mujoco", "markupsafe": "jinja2"}
+    imported: set[str] = set()
+    for path in (CHECKOUT / "rigsim").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                imported |= {alias.name for alias in node.names}
+            elif isinstance(node, ast.ImportFrom):
+                imported.add(node.module or "")
+    foreign = {name.partition(".")[0] for name in imported} - set(sys.stdlib_module_names) - {"rigsim"}
+    assert "numpy" in foreign
+    assert {origin.get(name, name) for name in foreign} <= names
 
 
 @pytest.mark.parametrize("words", [["--help"], ["--version"], ["calc", "--help"], ["calc", "point", "-h"]])
