@@ -7,9 +7,11 @@
     ├── InvalidNoise          a pixel noise that cannot exist
     ├── InvalidRange          a range, list or quantity that cannot be read
     ├── InvalidScene          a scene, preset or mount that cannot be used
+    ├── InvalidImage          a picture that cannot be measured
     ├── RenderUnavailable     no renderer of the kind asked for
     ├── RenderMismatch        the renderer disagrees with rays or with the rig
     ├── TriangulatorError     a triangulator that is unknown, raises, or returns the wrong thing
+    ├── MeasurementFailed     nothing that was looked for was found in the pictures
     └── OutputError           a file or folder that cannot be read or written
 
 A message gives the value, the bound and the way out, in one line:
@@ -39,6 +41,10 @@ class InvalidScene(RigsimError, ValueError):
     """A scene, preset or mount that cannot be used."""
 
 
+class InvalidImage(RigsimError, ValueError):
+    """A picture that cannot be measured: wrong shape, black, saturated, or not of the rig's size."""
+
+
 class RenderUnavailable(RigsimError, RuntimeError):
     """No renderer of the kind asked for works here."""
 
@@ -49,6 +55,10 @@ class RenderMismatch(RigsimError, RuntimeError):
 
 class TriangulatorError(RigsimError, ValueError):
     """A triangulator that is unknown, raises, or returns the wrong thing."""
+
+
+class MeasurementFailed(RigsimError, RuntimeError):
+    """Nothing that was looked for was found in the pictures, or what looks for it is not installed."""
 
 
 class OutputError(RigsimError, OSError):
