@@ -31,7 +31,7 @@ from rigsim.rig.observations import Observations
 from rigsim.rig.stereo import StereoRig
 
 _LEAST_SCORE = 0.5
-_UNIQUENESS = 0.85
+_UNIQUENESS = 0.1  # half a pixel of phase alone lowers a correlation by nearly as much
 _LEFT_RIGHT_PX = 1.5
 _WORST_STD_PX = 0.5
 _NOISE_EXCESS = 4.0  # a residual this many times the noise's variance ...
@@ -227,12 +227,18 @@ def _search_range(rig: StereoRig, disparity_range: tuple[float, float] | None) -
 def _coarse(left: Blurred, right: Blurred, uv: Indices, low: int, high: int) -> tuple[Correlations, Mask]:
     """Whole-pixel matches of `uv`, and which are good, alone, and the same from right to left."""
     there = correlate(left, right, uv, low, high)
-    kept = (there.score > _LEAST_SCORE) & (1 - there.score < _UNIQUENESS * (1 - there.second_score))
+    kept = _is_unique(there)
     uv_right = uv[kept]
     uv_right[:, 0] -= there.disparity[kept].astype(np.intp)
     back = correlate(right, left, uv_right, -high, -low)
-    kept[kept] = np.abs(there.disparity[kept] + back.disparity) <= _LEFT_RIGHT_PX
+    # a repeating texture's hidden part is found elsewhere: only the way back sees that there are two
+    same = np.abs(there.disparity[kept] + back.disparity) <= _LEFT_RIGHT_PX
+    kept[kept] = same & _is_unique(back)
     return there, kept
+
+
+def _is_unique(found: Correlations) -> Mask:
+    return (found.score > _LEAST_SCORE) & (found.score - found.second_score > _UNIQUENESS)
 
 
 def _noise_var(fits: Fits, fallback: float) -> float:
