@@ -1,4 +1,4 @@
-"""Corners: the model against exact pictures, the fit against the Cramer-Rao bound, boards against homographies."""
+"""Corners: the model against exact pictures, the fit against its bound, boards against homographies."""
 
 from __future__ import annotations
 
@@ -231,7 +231,7 @@ class Scene:
                 seen = from_left @ pose
                 plane = np.column_stack([seen.R[:, 0] * self.square_m, seen.R[:, 1] * self.square_m, seen.t])
                 boards.append((camera.K @ plane, ROWS, COLS))
-        clean = board_image(boards, (camera.height, camera.width), blur=0.5, supersample=6)
+        clean = board_image(boards, (camera.height, camera.width), blur=0.5, supersample=4)
         noisy = clean + noise * np.random.default_rng(seed + (side == "right")).standard_normal(clean.shape)
         return np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
 
@@ -278,7 +278,7 @@ class TestBoards:
         assert matches.observations.valid.sum() == 3 * ROWS * COLS
         assert worst_sigma(matches, scene) == pytest.approx(1.0, abs=0.2)
         assert matches.epipolar_rms_px < 0.01
-        assert matches.board.tolist() == sum(([i] * ROWS * COLS for i in range(3)), [])
+        assert matches.board.tolist() == [i for i in range(3) for _ in range(ROWS * COLS)]
         assert matches.corner.tolist() == list(range(ROWS * COLS)) * 3
 
     def test_broken_detectors_are_caught(self, scene: Scene, pair: tuple[np.ndarray, np.ndarray]) -> None:
