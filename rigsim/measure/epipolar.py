@@ -32,10 +32,12 @@ def epipolar_offsets(left: Array, right: RowSpline, uv_left: Indices, fits: Fits
     u = (uv_left[:, 0] + shift)[:, None] + (1 + fits.stretch)[:, None] * x + fits.shear[:, None] * y
     best = np.full(len(uv_left), -np.inf)
     step = np.full(len(uv_left), np.nan)
-    J = np.stack([down, along, template, np.ones_like(template)], axis=1)
+    # a fit on the wrong row has bent its patch to suit: shift, stretch and shear are free once more
+    ones = np.ones_like(template)
+    J = np.stack([down, along, along * x / radius, along * y / radius, template, ones], axis=1)
     normal = J @ J.transpose(0, 2, 1)
     tells = normal[:, 0, 0] > 1e-3 * normal[:, 1, 1]
-    normal += 1e-9 * (1 + np.trace(normal, axis1=1, axis2=2)[:, None, None]) * np.eye(4)
+    normal += 1e-9 * (1 + np.trace(normal, axis1=1, axis2=2)[:, None, None]) * np.eye(6)
     for k in range(-_REACH_PX, _REACH_PX + 1):
         shifted = rows + k
         on_image = (shifted[:, 0] >= 0) & (shifted[:, -1] < height)
@@ -46,7 +48,7 @@ def epipolar_offsets(left: Array, right: RowSpline, uv_left: Indices, fits: Fits
         theta = np.linalg.solve(normal, J @ (values - template)[..., None])[..., 0]
         better = on_image & (score > best)
         best = np.where(better, score, best)
-        gain = np.maximum(1 + theta[:, 2], 0.25)
+        gain = np.maximum(1 + theta[:, 4], 0.25)
         step = np.where(better, k - theta[:, 0] / gain, step)
     reliable = tells & (np.abs(step) < _REACH_PX)
     return np.where(reliable, step, np.nan)

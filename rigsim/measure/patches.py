@@ -9,7 +9,8 @@ registration", IEEE TIP 2004): with noise ``sigma_n`` in both images and the gra
 ``sigma_d >= sqrt(2) sigma_n / sqrt(sum g^2)``. The noise is what the fit leaves over, so texture the
 warp cannot explain makes a match less trusted, not more. Where the surface is no plane or the window
 straddles two of them, leaving out parts of the window or bending the warp moves the answer, and
-what it moves by beyond the noise is added as model error.
+what it moves by beyond the noise is added as model error. Matches near a step in disparity are
+trusted half as much, and a match that none of its neighbours bears out is dropped.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from rigsim.measure.coarse import Blurred, Correlations, correlate, whole_window
 from rigsim.measure.epipolar import epipolar_offsets
 from rigsim.measure.images import AnyImage, grey, quantization_var, same_size
 from rigsim.measure.interest import estimate_noise, interest_points
+from rigsim.measure.neighbours import outvoted_and_at_step
 from rigsim.measure.rectify import rectify
 from rigsim.measure.refine import Fits, fit_patches
 from rigsim.measure.spline import Indices, RowSpline, derivative_noise_gain
@@ -30,15 +32,21 @@ from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.observations import Observations
 from rigsim.rig.stereo import StereoRig
 
-_LEAST_SCORE = 0.5
+_LEAST_SCORE = 0.7  # by chance alone the best of a thousand places reaches 0.6
 _UNIQUENESS = 0.1  # half a pixel of phase alone lowers a correlation by nearly as much
 _LEFT_RIGHT_PX = 1.5
 _WORST_STD_PX = 0.5
 _NOISE_EXCESS = 4.0  # a residual this many times the noise's variance ...
-_UNEXPLAINED = 0.1  # ... and this share of the squared gradient is another surface, not noise
+_UNEXPLAINED = 0.05  # ... and this share of the squared gradient is another surface, not noise
+_EXCESS_FROM = 1.15  # a residual's variance scatters by a tenth; beyond this it is texture that does not fit,
+_EXCESS_WEIGHT = 6.0  # which is no white noise: as a rule some six pixels err together
+_STEP_FACTOR = 2.0
+_REACH_WINDOWS = 2.0  # neighbours within so many windows are asked
 _JACKKNIFE_NOISE = 2.0  # of nine blocks the variance scatters by half: this much may be chance
 _CURVATURE_NOISE = 2.0
+_INTERPOLATION_PX = 0.001  # what the spline leaves at 0.35 cycles/px
 _TEXTURE_SHARE = 0.25  # where fine texture is everywhere it is taken for noise: not for more than this
+_ROUNDING = 1e-8
 _ENOUGH = 20
 _WINDOWS = (7, 63)
 
@@ -106,13 +114,15 @@ def match_patches(
 
     gradient = RowSpline.through(left).derivative()
     rough_noise_var = (estimate_noise(left) ** 2 + estimate_noise(right) ** 2) / 2
-    gradient_noise_var = derivative_noise_gain() * rough_noise_var
+    gradient_noise_var = min(
+        derivative_noise_gain() * rough_noise_var, _TEXTURE_SHARE * float(np.mean(gradient**2))
+    )
     uv = interest_points(
         gradient,
         whole_windows(on_left, radius + 1),
         n_points,
         radius=radius,
-        noise_var=min(gradient_noise_var, _TEXTURE_SHARE * float(np.mean(gradient**2))),
+        noise_var=max(gradient_noise_var, _ROUNDING * float(np.var(left))),
     )
     if not len(uv):
         raise MeasurementFailed(f"left image: no texture along the rows in any {window} x {window} px window")
@@ -133,6 +143,9 @@ def match_patches(
         fits.noise_var < _UNEXPLAINED * fits.gradient_energy
     )
     trusted = np.isfinite(fits.disparity) & same_surface & (std < _WORST_STD_PX)
+    outvoted, at_step = outvoted_and_at_step(fits, trusted, _REACH_WINDOWS * window)
+    trusted &= ~outvoted
+    std = np.where(at_step, _STEP_FACTOR * std, std)
     if not trusted.any():
         raise MeasurementFailed(
             f"none of {int(kept.sum())} matches could be refined: the images differ by more than shifts along"
@@ -177,9 +190,11 @@ def predicted_std(fits: Fits, noise_var: float) -> tuple[Array, Array]:
     share = np.minimum(derivative_noise_gain() * local_var / fits.gradient_energy, 0.9)
     noise_std = fits.noise_std * residual_std / (1 - share)
     bend_std = fits.curvature_noise_std * residual_std
+    excess = np.maximum(fits.noise_var - _EXCESS_FROM * noise_var, 0) / local_var
+    misfit = (_EXCESS_WEIGHT - 1) * excess * noise_std**2
     parts = np.maximum(fits.jackknife_std**2 - _JACKKNIFE_NOISE * noise_std**2, 0)
     bend = np.maximum(fits.curvature_px**2 - _CURVATURE_NOISE * bend_std**2, 0)
-    return np.sqrt(noise_std**2 + parts + bend), noise_std
+    return np.sqrt(noise_std**2 + misfit + parts + bend + _INTERPOLATION_PX**2), noise_std
 
 
 def fits_rig(image: Array, rig: StereoRig) -> None:
