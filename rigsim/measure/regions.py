@@ -16,6 +16,7 @@ DISPARITY_GAP_PX = 2.0
 DISCONTINUITY_WIDTH_PX = 9
 
 _SAME_SURFACE_PX = 1.0
+_PARTS = 3  # neighbours within the gap of 2 px land at most 3 px from each other
 
 
 def occluded(truth: Array) -> Mask:
@@ -27,18 +28,25 @@ def occluded(truth: Array) -> Mask:
     """
     height, width = truth.shape
     known = np.isfinite(truth)
-    rows, columns = np.nonzero(known)
-    disparity = truth[known]
-    landing = columns - disparity
-    on_image = (landing >= -0.5) & (landing <= width - 0.5)
     nearest = np.full((height, width), -np.inf)
-    # both neighbours: a surface stretched in the right image leaves no holes to look through
-    for target in (np.floor(landing), np.ceil(landing)):
-        target_column = np.clip(target, 0, width - 1).astype(np.intp)
-        np.maximum.at(nearest, (rows[on_image], target_column[on_image]), disparity[on_image])
-    hit = nearest[rows, np.clip(np.round(landing), 0, width - 1).astype(np.intp)]
+    step = np.diff(truth, axis=1, append=np.nan)
+    with np.errstate(invalid="ignore"):
+        joined = np.abs(step) <= DISPARITY_GAP_PX
+    for part in range(_PARTS):
+        # a surface stretched in the right image must leave no holes to look through: go on to the next pixel
+        rows, columns = np.nonzero(known if part == 0 else joined)
+        share = part / _PARTS
+        disparity = truth[rows, columns] + (share * step[rows, columns] if part else 0.0)
+        landing = np.round(columns + share - disparity)
+        on_image = (landing >= 0) & (landing < width)
+        at = landing[on_image].astype(np.intp)
+        np.maximum.at(nearest, (rows[on_image], at), disparity[on_image])
+    rows, columns = np.nonzero(known)
+    landing = np.round(columns - truth[known])
+    outside = (landing < 0) | (landing >= width)
+    in_front = nearest[rows, np.clip(landing, 0, width - 1).astype(np.intp)]
     hidden = np.zeros(truth.shape, dtype=bool)
-    hidden[known] = ~on_image | (hit > disparity + _SAME_SURFACE_PX)
+    hidden[known] = outside | (in_front > truth[known] + _SAME_SURFACE_PX)
     return hidden
 
 
