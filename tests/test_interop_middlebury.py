@@ -157,7 +157,7 @@ DISPARITY = np.array([[1.0, 2.5, NAN], [0.00390625, 200.0, 17.25]])
 
 def npy_bytes(values: object) -> bytes:
     file = io.BytesIO()
-    np.save(file, values)  # type: ignore[arg-type]
+    np.save(file, values)
     return file.getvalue()
 
 

@@ -163,7 +163,7 @@ def test_what_a_callable_does_wrong_is_one_line(
     answer: object, message: str, pair: Pair, images: tuple[np.ndarray, np.ndarray]
 ) -> None:
     with pytest.raises(MeasurementFailed, match=message) as caught:
-        dense_disparity(*images, pair.rig, answer)  # type: ignore[arg-type]
+        dense_disparity(*images, pair.rig, answer)
     assert "\n" not in str(caught.value)
 
 
@@ -180,7 +180,7 @@ def test_what_a_callable_does_wrong_is_one_line(
 def test_a_broken_matcher_shows_in_its_metrics(
     broken: object, fault: str, pair: Pair, images: tuple[np.ndarray, np.ndarray]
 ) -> None:
-    found = dense_disparity(*images, pair.rig, lambda left, right, rig: broken(pair.disparity))  # type: ignore[operator]
+    found = dense_disparity(*images, pair.rig, lambda left, right, rig: broken(pair.disparity))
     errors = disparity_errors(found, pair.disparity)
     limits = {"mean_px": 0.1, "bad_4_pct": 1.0, "bad_0_5_pct": -1.0, "median_abs_px": 0.2}
     assert abs(getattr(errors, fault)) > limits[fault]
@@ -347,6 +347,12 @@ def test_a_rig_that_is_not_rectified_is_refused(images: tuple[np.ndarray, np.nda
     rig = StereoRig.verged(Intrinsics.from_focal(320, 240, 400.0), 0.1, 5.0)
     with pytest.raises(MeasurementFailed, match="not rectified"):
         dense_disparity(*images, rig)
+
+
+def test_pictures_too_small_to_match_are_refused() -> None:
+    tiny = affine_pair(1, width=5, height=4, d=0.0)
+    with pytest.raises(MeasurementFailed):
+        dense_disparity(eight_bit(tiny.left), eight_bit(tiny.right), tiny.rig, disparity_range=(0.0, 3.0))
 
 
 def test_bad_numbers_and_sizes_are_refused(pair: Pair, images: tuple[np.ndarray, np.ndarray]) -> None:

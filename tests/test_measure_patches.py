@@ -218,6 +218,8 @@ def test_matches_of_an_honest_pair(pair: Pair) -> None:
     uv_left, uv_right = seen.uv_left[seen.valid], seen.uv_right[seen.valid]
     assert (uv_left == np.round(uv_left)).all()
     assert (uv_right[:, 1] == uv_left[:, 1]).all()
+    low, high = matches.disparity_range
+    assert low < pair.disparity[:, 40:].min() < pair.disparity.max() < high
     assert uv_left[:, 0] - uv_right[:, 0] == pytest.approx(matches.disparity[seen.valid], abs=1e-9)
 
 
@@ -310,10 +312,10 @@ def test_any_rig_is_matched_along_its_epipolar_lines(
     lens = Intrinsics.from_focal(400, 300, 420.0, distortion=distortion)
     rig = StereoRig.verged(lens, 0.12, vergence_deg)
     surface = {"normal": (0.25, -0.2, 1.0), "distance_m": 1.0}
-    left, right = plane_pair(rig, 3, **surface)  # type: ignore[arg-type]
+    left, right = plane_pair(rig, 3, **surface)
     matches = match_patches(left, right, rig, n_points=250)
     seen = matches.observations
-    truth = plane_truth(rig, seen.uv_left[seen.valid], **surface)  # type: ignore[arg-type]
+    truth = plane_truth(rig, seen.uv_left[seen.valid], **surface)
     error = seen.uv_right[seen.valid] - truth
     assert seen.valid.mean() > 0.5
     assert np.sqrt(np.mean(error[:, 0] ** 2)) < 0.01
@@ -370,6 +372,7 @@ def test_cameras_back_to_back_cannot_be_rectified() -> None:
 # --- bad input ----------------------------------------------------------------------------------
 
 SMALL_RIG = StereoRig.rectified(Intrinsics.from_focal(64, 48, 60.0), 0.1)
+TINY_RIG = StereoRig.rectified(Intrinsics.from_focal(9, 9, 60.0), 0.1)
 TEXTURE = Waves.random(1).at(np.arange(64.0), np.arange(48.0)[:, None])
 STRIPES = np.broadcast_to(128 + 50 * np.sin(np.arange(48.0))[:, None], (48, 64))
 
@@ -386,6 +389,7 @@ STRIPES = np.broadcast_to(128 + 50 * np.sin(np.arange(48.0))[:, None], (48, 64))
         (TEXTURE, TEXTURE, {"window": 14}, InvalidRange, "window 14 px: must be odd"),
         (TEXTURE, TEXTURE, {"window": 3}, InvalidRange, "window 3 px"),
         (TEXTURE, TEXTURE, {"window": 51}, MeasurementFailed, "51 x 51 px window"),
+        (TEXTURE[:9, :9], TEXTURE[:9, :9], {"rig": TINY_RIG}, MeasurementFailed, "9 x 9 px hold no 15 x 15"),
         (TEXTURE, TEXTURE, {"disparity_range": (9.0, 3.0)}, InvalidRange, "9 to 3 px"),
         (TEXTURE, TEXTURE, {"disparity_range": (0.0, np.nan)}, InvalidRange, "nan px"),
         (TEXTURE, TEXTURE, {"disparity_range": (100.0, 200.0)}, InvalidRange, "64 px wide"),
@@ -395,5 +399,5 @@ def test_bad_input_is_one_line(
     left: Array, right: Array, options: dict[str, object], error: type[RigsimError], message: str
 ) -> None:
     with pytest.raises(error, match=message) as caught:
-        match_patches(left, right, SMALL_RIG, **options)  # type: ignore[arg-type]
+        match_patches(left, right, **{"rig": SMALL_RIG, **options})
     assert "\n" not in str(caught.value)

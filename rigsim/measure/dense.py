@@ -45,7 +45,8 @@ def dense_disparity(
             with ``{left}``, ``{right}`` and ``{out}`` in it, which gets two PNG files and writes a PFM or NPY
             (`rigsim.measure.matcher`). Not-finite values count as unknown.
         disparity_range: least and largest disparity that ``sgbm`` searches, px; by default an eighth of
-            the width from infinity on (`disparity_search` finds it from distances).
+            the width from infinity on (`disparity_search` finds it from distances, and
+            `PatchMatches.disparity_range` from matches).
         timeout_s: a named function or a command that takes longer is killed; a callable is not.
 
     Raises:
@@ -116,7 +117,7 @@ def _sgbm(left: Array, right: Array, search: tuple[int, int]) -> Array:
     # OpenCV leaves out every pixel whose whole search range is not on the right image: widen both
     before, after = max(0, first + count), max(0, -first)
     padded = [cv2.copyMakeBorder(image, 0, 0, before, after, cv2.BORDER_REPLICATE) for image in eight_bit]
-    found = cv2.StereoSGBM_create(
+    matcher = cv2.StereoSGBM_create(
         minDisparity=first,
         numDisparities=count,
         blockSize=_BLOCK,
@@ -128,7 +129,11 @@ def _sgbm(left: Array, right: Array, search: tuple[int, int]) -> Array:
         speckleWindowSize=100,
         speckleRange=2,
         mode=cv2.STEREO_SGBM_MODE_SGBM_3WAY,
-    ).compute(*padded)
+    )
+    try:
+        found = matcher.compute(*padded)
+    except cv2.error as error:
+        raise MeasurementFailed(f"sgbm cannot match {width} x {left.shape[0]} px: {error.err}") from None
     steps = found[:, before : before + width].astype(np.float64)
     disparity = steps / _SUBPIXEL_STEPS
     u_right = np.arange(width) - disparity

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import numpy as np
 
-from rigsim.measure.refine import Fits, window_offsets
+from rigsim.measure.refine import CHUNK, Fits, window_offsets
 from rigsim.measure.spline import Indices, RowSpline
 from rigsim.rig.arrays import Array
 
@@ -16,15 +18,24 @@ def epipolar_offsets(left: Array, right: RowSpline, uv_left: Indices, fits: Fits
 
     The best of seven rows by correlation, then one Gauss-Newton step along rows and columns. Near 0
     for a rectified pair; NaN where the fit failed, or the patch does not tell (texture that runs
-    straight up and down, or an image border).
+    straight up and down, or an image border). The windows must lie one pixel inside the left image.
     """
+    parts = []
+    for first in range(0, max(len(uv_left), 1), CHUNK):
+        chosen = slice(first, first + CHUNK)
+        few = Fits(*(getattr(fits, item.name)[chosen] for item in fields(Fits)))
+        parts.append(_offsets(left, right, uv_left[chosen], few, radius))
+    return np.concatenate(parts)
+
+
+def _offsets(left: Array, right: RowSpline, uv_left: Indices, fits: Fits, radius: int) -> Array:
     height = left.shape[0]
     x, y = window_offsets(radius)
     rows, columns = uv_left[:, 1:] + y, uv_left[:, :1] + x
     template = left[rows, columns]
     template -= template.mean(axis=1, keepdims=True)
-    down = np.gradient(left, axis=0)[rows, columns]
-    along = np.gradient(left, axis=1)[rows, columns]
+    down = (left[rows + 1, columns] - left[rows - 1, columns]) / 2
+    along = (left[rows, columns + 1] - left[rows, columns - 1]) / 2
 
     # the fits' disparities belong to another pixel of the window than its middle
     offset = uv_left - fits.uv_left

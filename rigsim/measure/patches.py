@@ -76,6 +76,14 @@ class PatchMatches:
         """How many matches are trusted."""
         return int(self.observations.valid.sum())
 
+    @property
+    def disparity_range(self) -> tuple[float, float]:
+        """Where a dense matcher should search, px: all but the outermost percent of the trusted
+        disparities, and a tenth of their span, at least 8 px, beyond."""
+        low, high = np.nanquantile(self.disparity, (0.01, 0.99))
+        margin = max(8.0, 0.1 * float(high - low))
+        return float(low) - margin, float(high) + margin
+
 
 def match_patches(
     image_left: AnyImage,
@@ -111,6 +119,12 @@ def match_patches(
     rectification = rectify(rig)
     left, right, on_left, on_right = rectification.warp(left, right)
     low, high = _search_range(rectification.rig, disparity_range)
+    height, width = left.shape
+    if min(height, width) < window + 2:
+        raise MeasurementFailed(
+            f"images of {width} x {height} px hold no {window} x {window} px window and its border: choose a "
+            "smaller window"
+        )
 
     gradient = RowSpline.through(left).derivative()
     rough_noise_var = (estimate_noise(left) ** 2 + estimate_noise(right) ** 2) / 2

@@ -20,7 +20,9 @@ import numpy as np
 from rigsim.measure.spline import Indices, RowSpline, noise_gain
 from rigsim.rig.arrays import Array, Mask
 
-_CHUNK = 128  # patches fitted together: their arrays stay in the cache
+CHUNK = 128
+"""Patches worked on together: their arrays stay in the cache."""
+
 _BLOCKS = 3  # the window is cut into 3 x 3 blocks for the jackknife
 _CONVERGED_PX = 2e-4
 _STRETCH_LIMIT = 0.6
@@ -78,10 +80,8 @@ def fit_patches(
     The windows must lie on the left image.
     """
     parts = [
-        _fit(
-            left, left_gradient, right, uv_left[i : i + _CHUNK], disparity[i : i + _CHUNK], radius, iterations
-        )
-        for i in range(0, max(len(uv_left), 1), _CHUNK)
+        _fit(left, left_gradient, right, uv_left[i : i + CHUNK], disparity[i : i + CHUNK], radius, iterations)
+        for i in range(0, max(len(uv_left), 1), CHUNK)
     ]
     return Fits(*(np.concatenate([getattr(part, item.name) for part in parts]) for item in fields(Fits)))
 
