@@ -21,8 +21,10 @@ from scipy.ndimage import map_coordinates
 
 from rigsim.errors import InvalidImage, MeasurementFailed
 from rigsim.measure import saddle
-from rigsim.measure.corners import canonical, find_board, find_boards, refine_corners, turns
-from rigsim.measure.pairing import BoardMatches, match_boards, pair_boards
+from rigsim.measure.boards import canonical, find_board, find_boards, find_sizes, turns
+from rigsim.measure.corners import refine_corners
+from rigsim.measure.lattice import fill, find_grids
+from rigsim.measure.pairing import BoardMatches, match_boards, match_sizes, pair_boards
 from rigsim.measure.sensor import Sensor, digitise
 from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.intrinsics import Intrinsics
@@ -376,6 +378,60 @@ class TestBoards:
             for board, same in zip(grey, find_boards(image, ROWS, COLS), strict=True):
                 np.testing.assert_allclose(same.uv, board.uv, atol=0.002)
 
+    def test_something_in_front_of_a_corner_costs_that_corner_alone(self) -> None:
+        homography = board_homography((110.0, 90.0), 22.0, roll=0.1, tilt=0.01)
+        exact = board_corners(homography, 5, 7)
+        image = board_image([(homography, 5, 7)], (180, 220), supersample=4)
+        u, v = np.round(exact[[9, 24]]).astype(int).T
+        image[v[0] - 3 : v[0] + 2, u[0] - 2 : u[0] + 9] = 90.0
+        image[v[1] - 9 : v[1] + 9, u[1] + 1 : u[1] + 4] = 150.0
+        board = find_board(image, 5, 7)
+        assert np.flatnonzero(~board.valid).tolist() == [9, 24]
+        np.testing.assert_allclose(board.uv[board.valid], exact[board.valid], atol=0.005)
+
+    def test_boards_are_found_in_clutter_and_by_their_size(self) -> None:
+        rng = np.random.default_rng(2)
+        small = board_homography((90.0, 90.0), 17.0, roll=0.4, tilt=0.03)
+        large = board_homography((270.0, 110.0), 20.0, roll=-0.3, tilt=-0.02)
+        image = board_image([(small, 4, 6), (large, 5, 7)], (220, 370), supersample=4)
+        # rectangles of every brightness, which have edges and corners of their own, and stripes
+        outside = image == 125.0
+        clutter = np.zeros_like(image)
+        for _ in range(400):
+            v, u, h, w = rng.integers((0, 0, 3, 3), (210, 360, 20, 20))
+            clutter[v : v + h, u : u + w] = rng.uniform(20, 230)
+        image = np.where(outside, clutter, image) + rng.standard_normal(image.shape)
+        for homography, rows, cols in ((small, 4, 6), (large, 5, 7)):
+            (board,) = find_boards(image, rows, cols)
+            assert board.valid.mean() > 0.9
+            np.testing.assert_allclose(
+                board.uv[board.valid], board_corners(homography, rows, cols)[board.valid], atol=0.05
+            )
+        assert find_boards(image, 6, 7) == ()
+        assert [(board.rows, board.cols) for board in find_sizes(image, [(5, 7), (4, 6)])] == [(4, 6), (5, 7)]
+
+    def test_opencv_finds_what_is_too_blurred_for_single_corners(self) -> None:
+        homography = board_homography((160.0, 120.0), 40.0, roll=0.1, tilt=0.0)
+        image = board_image([(homography, 4, 5)], (240, 320), supersample=2, blur=4.0)
+        assert find_grids(image) == []
+        detected = find_boards(image, 4, 5)
+        assert len(detected) == 1
+        good = detected[0].valid
+        assert good.mean() > 0.5
+        np.testing.assert_allclose(detected[0].uv[good], board_corners(homography, 4, 5)[good], atol=0.01)
+
+    def test_missing_corners_are_filled_as_perspective_has_them(self) -> None:
+        grid = board_corners(board_homography((50, 50), 10, roll=0.3, tilt=0.05), 5, 6).reshape(5, 6, 2)
+        holes = grid.copy()
+        holes[[0, 2, 4], [0, 3, 5]] = np.nan
+        np.testing.assert_allclose(fill(holes), grid, atol=1e-9)
+
+    def test_several_sizes_at_once(self, scene: Scene, pair: tuple[np.ndarray, np.ndarray]) -> None:
+        one = match_boards(*pair, ROWS, COLS, rig=scene.rig)
+        many = match_sizes(*pair, [(6, 9), (ROWS, COLS)], rig=scene.rig)
+        np.testing.assert_array_equal(one.observations.uv_left, many.observations.uv_left)
+        assert many.sizes.tolist() == [[ROWS, COLS]] * 3
+
     def test_small_squares_and_strong_noise(self) -> None:
         homography = board_homography((60.0, 50.0), 8.0, roll=0.3, tilt=0.01)
         clean = board_image([(homography, ROWS, COLS)], (100, 120), supersample=6)
@@ -432,8 +488,9 @@ class TestBadInput:
         self, monkeypatch: pytest.MonkeyPatch, pair: tuple[np.ndarray, np.ndarray]
     ) -> None:
         monkeypatch.setitem(sys.modules, "cv2", None)
+        assert find_board(pair[0], ROWS, COLS).valid.all()
         with pytest.raises(MeasurementFailed, match=r"pip install 'rigsim\[vision\]'"):
-            find_board(pair[0], ROWS, COLS)
+            find_board(pair[0], 6, 9)
 
 
 def test_distorted_corners_pair_with_a_distorted_rig(pair: tuple[np.ndarray, np.ndarray]) -> None:

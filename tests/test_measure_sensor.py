@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from rigsim.errors import InvalidImage, InvalidRig
 from rigsim.measure.corners import refine_corners
 from rigsim.measure.distort import distort_image, rectify_image, wider_intrinsics
-from rigsim.measure.sensor import Sensor, digitise, expose, optics
+from rigsim.measure.sensor import Sensor, average_pixels, digitise, expose, optics
 from rigsim.measure.sensor_presets import SENSORS, sensor_preset
 from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.intrinsics import Intrinsics
@@ -52,6 +52,24 @@ class TestOptics:
         assert (seen.sum(axis=0) * u).sum() == pytest.approx(0.0, abs=1e-9)
         assert math.sqrt((seen.sum(axis=0) * u**2).sum()) == pytest.approx(1.3, rel=2e-3)
         assert math.sqrt((seen.sum(axis=1) * u**2).sum()) == pytest.approx(1.3, rel=2e-3)
+
+    def test_the_lens_blurs_before_the_pixels_sample(self) -> None:
+        # a step at 10.3: blurred by 0.5 px and averaged over pixels its variance is 0.25 + 1/12
+        k = 10
+        fine = np.broadcast_to(((np.arange(20 * k) + 0.5) / k - 0.5 > 10.3).astype(float), (20 * k, 20 * k))
+        seen = optics(fine, Sensor(blur_px=0.5), supersample=k)
+        assert seen.shape == (20, 20)
+        spread = np.diff(seen[5])
+        at = np.arange(19) + 0.5
+        assert (spread * at).sum() == pytest.approx(10.3, abs=1e-6)
+        assert (spread * (at - 10.3) ** 2).sum() == pytest.approx(0.25 + 1 / 12 + 1 / 12, abs=0.005)
+
+    def test_fine_pixels_are_averaged(self) -> None:
+        image = np.arange(24.0).reshape(4, 6)
+        assert average_pixels(image, 2).tolist() == [[3.5, 5.5, 7.5], [15.5, 17.5, 19.5]]
+        assert average_pixels(np.dstack([image, 2 * image]), 2)[1, 2].tolist() == [19.5, 39.0]
+        with pytest.raises(InvalidImage, match="6 x 4 px: no whole multiple of the supersampling 4"):
+            average_pixels(image, 4)
 
     def test_colours_do_not_mix(self) -> None:
         image = np.zeros((9, 9, 3))
@@ -249,6 +267,16 @@ class TestDistortion:
         distorted = distort_image(wide_picture(wide, 0.1), wide, CAMERA)
         assert rms_at(distorted, CAMERA) < 0.012
         assert rms_at(rectify_image(distorted, CAMERA, PINHOLE), PINHOLE) < 0.02
+
+    def test_blur_distortion_and_noise_in_one_go(self) -> None:
+        wide = wider_intrinsics(CAMERA, 2)
+        light = wide_picture(wide, 0.1) / 255
+        sensor = Sensor(blur_px=0.5, full_well_e=20000, vignetting=0.2, distortion=LENS)
+        seen = optics(light, sensor, wide=wide, camera=CAMERA, supersample=2)
+        assert seen.shape == (240, 320)
+        assert rms_at(digitise(seen, sensor, np.random.default_rng(0)), CAMERA) < 0.015
+        with pytest.raises(InvalidRig, match="give both the wide camera"):
+            optics(light, sensor, wide=wide)
 
     def test_a_wrong_calibration_shows(self) -> None:
         wide = wider_intrinsics(CAMERA, 2)

@@ -1,36 +1,26 @@
-"""Checker-board corners: found with no prior but the board's rows and columns, then fitted to the pixels.
-
-OpenCV says where a board is, to a fraction of a pixel; `rigsim.measure.saddle` says where its corners
-are, near the Cramer-Rao bound, with a covariance each.
-
-Order: row-major, `cols` along the board's first axis. Columns run to the right in the image as far as the
-board allows (of the two, or for a square board four, ways to turn the grid onto itself, the one whose
-columns point most along +u), and rows are a quarter turn clockwise from them as seen: downwards. So both
-images of a rig that is not rolled against itself get the same order; `rigsim.measure.pairing` makes sure.
-"""
+"""Checker corners fitted to the pixels, each with its covariance, all at once."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from rigsim.errors import InvalidImage, MeasurementFailed
+from rigsim.errors import InvalidImage
 from rigsim.measure import saddle
 from rigsim.measure.images import AnyImage, grey, quantization_var
-from rigsim.measure.opencv import load_cv2
 from rigsim.rig.arrays import Array, Mask
 
-_HALF_WINDOW = 5
+HALF_WINDOW = 5
+"""Half width of a window, px: 11 x 11 pixels."""
+
 _MIN_PIXELS = 21  # three times the parameters
 _MAX_CORRELATION = 0.94  # |cos| of the angle between the edges: 20 degrees
 _MAX_MOVE = 2.0  # px from where the corner was expected
 _MAX_STD = 0.5  # px; worse than OpenCV's own answer
+_SHARP_STD_PX = 0.004  # rms of such shifts over rendered, two times supersampled, upright boards
 _CLEARLY = 1.6  # over the root of the number of corners: three standard deviations of such a median
-_MIN_SHARE = 0.5  # of a board's corners must be fitted, or it is taken for a false alarm
-_SMALLEST_CANVAS = 480  # px; a smaller picture is not searched
 _CLEARANCE = 3.0  # widths of the blur that a pixel keeps from the next square's edges
 _FIRST_BLUR = 0.65  # px, the pixel's square included, until the fit says better
 
@@ -51,29 +41,11 @@ class Corners:
     """Noise of the pixels around the corner (N,), grey levels; NaN where the fit failed."""
 
 
-@dataclass(frozen=True, slots=True)
-class BoardCorners:
-    """Inner corners of one board, row-major."""
-
-    rows: int
-    """Rows of inner corners."""
-    cols: int
-    """Columns of inner corners."""
-    uv: Array
-    """Position (rows * cols, 2), px; NaN where the fit failed."""
-    cov: Array
-    """Covariance (rows * cols, 2, 2), px^2."""
-    valid: Mask
-    """Whether the corner was fitted, (rows * cols,)."""
-    polarity: int
-    """1 when the square between the first corner and the one diagonally after it is bright, -1 when dark."""
-
-
 def refine_corners(
     image: AnyImage,
     uv_initial: npt.ArrayLike,
     *,
-    half_window: int = _HALF_WINDOW,
+    half_window: int = HALF_WINDOW,
     steps: Array | None = None,
     name: str = "image",
 ) -> Corners:
@@ -97,91 +69,7 @@ def refine_corners(
     if half_window < 2:
         raise InvalidImage(f"corner window of half width {half_window} px: must be >= 2")
     start = np.asarray(uv_initial, dtype=np.float64).reshape(-1, 2)
-    return _refine(grey(image, name), quantization_var(image), start, half_window, steps)[0]
-
-
-def find_board(image: AnyImage, rows: int, cols: int, *, name: str = "image") -> BoardCorners:
-    """The board of rows x cols inner corners that is found first.
-
-    Raises:
-        InvalidImage: the picture or the board's size cannot be used.
-        MeasurementFailed: no such board is in the picture, or OpenCV is not installed.
-    """
-    boards = find_boards(image, rows, cols, name=name, limit=1)
-    if not boards:
-        raise MeasurementFailed(not_found(name, rows, cols))
-    return boards[0]
-
-
-def find_boards(
-    image: AnyImage, rows: int, cols: int, *, name: str = "image", limit: int = 32
-) -> tuple[BoardCorners, ...]:
-    """All boards of rows x cols inner corners, at most `limit`, from left to right; none is no error.
-
-    Raises:
-        InvalidImage: the picture or the board's size cannot be used.
-        MeasurementFailed: OpenCV is not installed.
-    """
-    for axis, count in (("rows", rows), ("columns", cols)):
-        if count < 3:
-            raise InvalidImage(f"board of {count} {axis} of inner corners: must be >= 3")
-    cv2 = load_cv2()
-    levels, floor = grey(image, name), quantization_var(image)
-    low, high = np.percentile(levels, (1, 99))
-    canvas = np.clip((levels - low) * (255 / max(high - low, 1e-12)), 0, 255).astype(np.uint8)
-    boards: list[BoardCorners] = []
-    for scale, flags in _passes(cv2, max(levels.shape)):
-        # twice as many tries as boards: a false alarm is blotted out like a board
-        for _ in range(2 * limit):
-            if len(boards) == limit:
-                break
-            small = cv2.resize(canvas, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
-            found, corners = cv2.findChessboardCornersSB(small, (cols, rows), flags=flags)
-            if not found:
-                break
-            detected = (np.asarray(corners, dtype=np.float64).reshape(rows, cols, 2) + 0.5) / scale - 0.5
-            grid = canonical(detected)
-            board = _refine_board(levels, floor, grid)
-            if board is not None:
-                boards.append(board)
-            _blot_out(cv2, canvas, grid)
-    return tuple(sorted(boards, key=lambda board: float(np.nanmean(board.uv[:, 0]))))
-
-
-def canonical(grid: Array) -> Array:
-    """The same corners (rows, cols, 2), turned so that columns point right as far as they can."""
-    along, down = lattice_directions(grid)
-    if along[0] * down[1] - along[1] * down[0] < 0:
-        grid = grid[:, ::-1]
-    return max(turns(grid), key=lambda turned: float(lattice_directions(turned)[0][0]))
-
-
-def turns(grid: Array) -> list[Array]:
-    """Every way (2, or 4 for a square) to turn a grid (rows, cols, 2) onto its own shape."""
-    quarters = range(4) if grid.shape[0] == grid.shape[1] else (0, 2)
-    return [np.asarray(np.rot90(grid, k)) for k in quarters]
-
-
-def lattice_directions(grid: Array) -> tuple[Array, Array]:
-    """Mean unit directions (2,) along the columns and along the rows of a grid (rows, cols, 2)."""
-    along = (grid[:, -1] - grid[:, 0]).mean(axis=0)
-    down = (grid[-1] - grid[0]).mean(axis=0)
-    return along / np.linalg.norm(along), down / np.linalg.norm(down)
-
-
-def not_found(name: str, rows: int, cols: int) -> str:
-    """What to say when a picture holds no such board."""
-    return (
-        f"{name}: no checker board of {rows} x {cols} inner corners found: it must be wholly visible, with a "
-        "bright margin; rows and columns count inner corners, not squares"
-    )
-
-
-def _passes(cv2: Any, size: int) -> list[tuple[float, int]]:
-    """Scales and flags to search with: large boards in a small picture first, since that is quick."""
-    quick = cv2.CALIB_CB_NORMALIZE_IMAGE
-    coarse = [(scale, quick) for scale in (0.25, 0.5) if size * scale >= _SMALLEST_CANVAS]
-    return [*coarse, (1.0, quick), (1.0, quick | cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_ACCURACY)]
+    return fit_corners(grey(image, name), quantization_var(image), start, half_window, steps)[0]
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,10 +84,11 @@ class _Fitted:
     parameters: Array
 
 
-def _refine(
+def fit_corners(
     levels: Array, floor: float, start: Array, half: int, steps: Array | None
 ) -> tuple[Corners, Array]:
-    """Corners, and all their parameters (N, 7)."""
+    """`refine_corners` of grey levels (H, W) whose rounding adds a variance of `floor`; also all seven
+    parameters (N, 7) of `rigsim.measure.saddle`."""
     reach = np.full(len(start), _FIRST_BLUR)
     fitted = _fit(levels, start, half, steps, reach)
     if steps is not None and fitted.valid.any():
@@ -208,9 +97,9 @@ def _refine(
         if blur > _FIRST_BLUR * 1.1:
             fitted = _fit(levels, start, half, steps, np.full(len(start), blur))
     valid = fitted.valid
-    excess = _significant(fitted.edge_ratio[valid]) * _significant(fitted.spread[valid])
+    excess = _significant(fitted.edge_ratio[valid] * fitted.spread[valid])
     variance: Array = np.maximum(fitted.variance * excess, floor)
-    cov = variance[:, None, None] * fitted.inverse
+    cov = variance[:, None, None] * fitted.inverse + _sampling_var(fitted.blur_var[valid]) * np.eye(2)
     valid = valid & (cov[:, 0, 0] + cov[:, 1, 1] < 2 * _MAX_STD**2)
     corners = Corners(
         uv=np.where(valid[:, None], fitted.uv, np.nan),
@@ -220,6 +109,18 @@ def _refine(
         grey_std=np.where(valid, np.sqrt(variance), np.nan),
     )
     return corners, fitted.parameters
+
+
+def _sampling_var(blur_var: Array) -> float:
+    """Variance (px^2) that stays unseen where edges are sharper than pixels.
+
+    A sharp edge shows in one pixel alone, whose level depends on how the camera or the renderer averages
+    within a pixel; two samples a side instead of the whole square shift it by some thousandths of a pixel,
+    with no residual that tells. Blur takes this away like any frequency of two cycles a pixel.
+    """
+    if blur_var.size == 0:
+        return 0.0
+    return float(_SHARP_STD_PX**2 * np.exp(-8 * np.pi**2 * np.median(blur_var)))
 
 
 def _significant(ratios: Array) -> float:
@@ -291,42 +192,3 @@ def _clear_of_neighbours(shift: Array, half: int, steps: Array, reach: Array) ->
         margin = _CLEARANCE * reach * np.hypot(gradient[:, i, 0], gradient[:, i, 1])
         clear *= np.abs(coordinate) < 1 - margin[:, None]
     return clear.reshape(len(steps), 2 * half + 1, 2 * half + 1)
-
-
-def _lattice_steps(grid: Array) -> Array:
-    """To the next corner along columns and rows (rows * cols, 2, 2), px."""
-    return np.stack([np.gradient(grid, axis=1), np.gradient(grid, axis=0)], axis=-2).reshape(-1, 2, 2)
-
-
-def _refine_board(levels: Array, floor: float, grid: Array) -> BoardCorners | None:
-    """Fit a detected grid; None when its squares do not alternate like a checker board's."""
-    rows, cols = grid.shape[:2]
-    steps = _lattice_steps(grid)
-    corners, p = _refine(levels, floor, grid.reshape(-1, 2), _HALF_WINDOW, steps)
-    inwards = steps.sum(axis=1)
-    sign = np.sign(p[:, saddle.CONTRAST])
-    for angle in (p[:, saddle.ANGLE_1], p[:, saddle.ANGLE_2]):
-        sign *= np.sign(inwards[:, 0] * np.cos(angle) + inwards[:, 1] * np.sin(angle))
-    row, col = np.divmod(np.arange(rows * cols), cols)
-    sign *= 1 - 2 * ((row + col) % 2)
-    balance = float(np.sum(sign * corners.valid))
-    polarity = 1 if balance > 0 else -1
-    valid = corners.valid & (sign == polarity)
-    if np.count_nonzero(valid) < _MIN_SHARE * rows * cols:
-        return None
-    uv, cov = corners.uv.copy(), corners.cov.copy()
-    uv[~valid], cov[~valid] = np.nan, np.nan
-    return BoardCorners(rows, cols, uv, cov, valid, polarity)
-
-
-def _blot_out(cv2: Any, canvas: npt.NDArray[np.uint8], grid: Array) -> None:
-    """Paint over a board that was found, its outer squares included, so that the next one is seen."""
-    along, down = np.gradient(grid, axis=1), np.gradient(grid, axis=0)
-    rim = np.array(
-        [
-            grid[r, c] + 1.2 * ((1 if c else -1) * along[r, c] + (1 if r else -1) * down[r, c])
-            for r, c in ((0, 0), (0, -1), (-1, -1), (-1, 0))
-        ]
-    )
-    outline = np.round(rim).astype(np.int32)
-    cv2.fillConvexPoly(canvas, outline, int(np.median(canvas)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
 from rigsim.errors import InvalidImage, MeasurementFailed
-from rigsim.measure.corners import BoardCorners, find_boards, not_found, turns
+from rigsim.measure.boards import BoardCorners, find_sizes, not_found, turns
 from rigsim.measure.images import AnyImage, grey, same_size
 from rigsim.rig.arrays import Array, Ids
 from rigsim.rig.observations import Observations
@@ -33,6 +34,8 @@ class BoardMatches:
     """Which board (N,), counted from the left in the left picture."""
     corner: Ids
     """Which corner of its board (N,), row-major."""
+    sizes: Ids
+    """Rows and columns of inner corners of each board (B, 2)."""
     epipolar_rms_px: float
     """RMS distance of the right positions from their epipolar lines, px: how well the rig's calibration
     holds for this pair."""
@@ -67,6 +70,21 @@ def match_boards(
         InvalidImage: a picture, or the pair, cannot be used.
         MeasurementFailed: no board in one of the pictures (the message says which), or none in both.
     """
+    return match_sizes(
+        left_image, right_image, [(rows, cols)], rig=rig, max_epipolar_px=max_epipolar_px, limit=limit
+    )
+
+
+def match_sizes(
+    left_image: AnyImage,
+    right_image: AnyImage,
+    sizes: Sequence[tuple[int, int]],
+    *,
+    rig: StereoRig | None = None,
+    max_epipolar_px: float = 5.0,
+    limit: int = 32,
+) -> BoardMatches:
+    """`match_boards` of several sizes (rows, cols) at once; sizes that are not seen are no error."""
     left_grey = grey(left_image, "left image")
     same_size(left_grey, grey(right_image, "right image"))
     if rig is not None:
@@ -78,9 +96,9 @@ def match_boards(
                 )
     found = []
     for name, image in (("left image", left_image), ("right image", right_image)):
-        boards = find_boards(image, rows, cols, name=name, limit=limit)
+        boards = find_sizes(image, sizes, name=name, limit=limit)
         if not boards:
-            raise MeasurementFailed(not_found(name, rows, cols))
+            raise MeasurementFailed(not_found(name, sizes))
         found.append(boards)
     return pair_boards(found[0], found[1], rig=rig, max_epipolar_px=max_epipolar_px)
 
@@ -103,6 +121,8 @@ def pair_boards(
     turned: dict[tuple[int, int], BoardCorners] = {}
     for i, board in enumerate(left):
         for j, candidate in enumerate(right):
+            if (candidate.rows, candidate.cols) != (board.rows, board.cols):
+                continue
             for turn in _turned(candidate, board.polarity):
                 distance, in_front, disparity = geometry.compare(board, turn)
                 nearest = min(nearest, distance)
@@ -115,7 +135,9 @@ def pair_boards(
     pairs = [(i, j) for i, j in assigned if cost[i, j] < _HOPELESS]
     if not pairs:
         near = f"the nearest pair is {nearest:.1f} px off its epipolar lines, at most {max_epipolar_px:g}"
-        if nearest <= max_epipolar_px:
+        if not np.isfinite(nearest):
+            near = "their rows and columns differ"
+        elif nearest <= max_epipolar_px:
             near = "every pair on common epipolar lines lies behind the cameras"
         raise MeasurementFailed(
             f"{len(left)} board(s) in the left and {len(right)} in the right image, none the same: {near}; "
@@ -138,6 +160,7 @@ def _stack(pairs: list[tuple[BoardCorners, BoardCorners]], geometry: _Epipolar) 
         cov_right,
         np.repeat(np.arange(len(pairs)), count).astype(np.int32),
         np.concatenate([np.arange(n) for n in count]).astype(np.int32),
+        np.array([(a.rows, a.cols) for a, _ in pairs], dtype=np.int32),
         float(np.sqrt(np.mean(distance**2))),
     )
 

@@ -29,6 +29,7 @@ _MIN_BLUR_VAR = 1e-6
 _MIN_WIDTH = 1e-3  # px; a narrower box changes nothing and divides by zero
 _NODES = (0.5 - 0.5 / np.sqrt(3), 0.5 + 0.5 / np.sqrt(3))
 _HELD = 1e24  # curvature of the sum of squares along a parameter that is held fixed
+_GAIN = 0.01  # a step that lowers the cost by more than this share is not the last
 _SLACK = 1e-4  # the derivatives leave out the corner's excess: the last steps need not go downhill
 _CHUNK = 64  # windows at a time: their arrays stay in the processor's cache
 
@@ -97,7 +98,14 @@ def guess(windows: Array, weights: Array) -> Array:
     return parameters
 
 
-def fit(windows: Array, weights: Array, *, iterations: int = 12, tolerance_px: float = 3e-4) -> SaddleFit:
+def fit(
+    windows: Array,
+    weights: Array,
+    *,
+    iterations: int = 12,
+    tolerance_px: float = 3e-4,
+    exact: bool = True,
+) -> SaddleFit:
     """Levenberg-Marquardt on all windows at once, first with the pixel's square as part of the blur, then
     exactly.
 
@@ -106,9 +114,10 @@ def fit(windows: Array, weights: Array, *, iterations: int = 12, tolerance_px: f
         weights: 1 where a pixel counts, 0 where it does not, (N, S, S).
         iterations: At most so many steps of each kind.
         tolerance_px: A step in u and v below it ends the fit.
+        exact: False leaves out the second half, which is worth up to a few hundredths of a pixel.
     """
     parts = [
-        _fit_chunk(windows[i : i + _CHUNK], weights[i : i + _CHUNK], iterations, tolerance_px)
+        _fit_chunk(windows[i : i + _CHUNK], weights[i : i + _CHUNK], iterations, tolerance_px, exact)
         for i in range(0, len(windows), _CHUNK)
     ]
     if not parts:
@@ -133,7 +142,7 @@ def pixel_grid(size: int) -> tuple[Array, Array]:
 
 
 def _fit_chunk(
-    windows: Array, weights: Array, iterations: int, tolerance_px: float
+    windows: Array, weights: Array, iterations: int, tolerance_px: float, exact: bool
 ) -> tuple[Array, Array, Array, Array, Array, Array, Mask]:
     n, size = len(windows), windows.shape[1]
     x, y = pixel_grid(size)
@@ -141,24 +150,26 @@ def _fit_chunk(
     level = np.where(weight > 0, windows.reshape(n, -1), 0.0)
     best = guess(windows, weights)
     step = np.full(n, np.inf)
-    for exact, limit, start in ((False, 30 * tolerance_px, 1e-3), (True, tolerance_px, 1e-7)):
+    coarse = (False, 30 * tolerance_px if exact else tolerance_px, 1e-3)
+    for boxed, limit, start in (coarse, (True, tolerance_px, 1e-7))[: 1 + exact]:
         damping = np.full(n, start)
-        residual, J = _residual(best, x, y, level, weight, exact)
+        residual, J = _residual(best, x, y, level, weight, boxed)
         cost = np.einsum("np,np->n", residual, residual)
         step = np.full(n, np.inf)
         active = np.arange(n)
         for _ in range(iterations):
             trial = best[active] + _steps(J[active], residual[active], damping[active])
             trial[:, BLUR_VAR] = np.clip(trial[:, BLUR_VAR], _MIN_BLUR_VAR, size**2 / 4)
-            trial_residual, trial_J = _residual(trial, x, y, level[active], weight[active], exact)
+            trial_residual, trial_J = _residual(trial, x, y, level[active], weight[active], boxed)
             trial_cost = np.einsum("np,np->n", trial_residual, trial_residual)
             better = trial_cost <= cost[active] * (1 + _SLACK)
             step[active] = np.hypot(trial[:, U] - best[active, U], trial[:, V] - best[active, V])
+            gaining = cost[active] - trial_cost > _GAIN * cost[active]
             damping[active] = np.where(better, 0.1, 10) * damping[active]
             won = active[better]
             best[won], residual[won], J[won] = trial[better], trial_residual[better], trial_J[better]
             cost[won] = trial_cost[better]
-            active = active[(step[active] > limit) & (damping[active] < 1e6)]
+            active = active[((step[active] > limit) | gaining) & (damping[active] < 1e6)]
             if active.size == 0:
                 break
     # an edge as sharp as the model allows leaves its blur no room to vary
@@ -198,9 +209,9 @@ def _box_sum(values: Array) -> Array:
 
 
 def _residual(
-    parameters: Array, x: Array, y: Array, level: Array, weight: Array, exact: bool
+    parameters: Array, x: Array, y: Array, level: Array, weight: Array, boxed: bool
 ) -> tuple[Array, Array]:
-    value, J = _evaluate(parameters, x, y, exact=exact, jacobian=True)
+    value, J = _evaluate(parameters, x, y, exact=boxed, jacobian=True)
     J *= weight[:, None, :]
     return (level - value) * weight, J
 

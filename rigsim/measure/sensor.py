@@ -5,8 +5,7 @@ frame, `digitise` what differs: a noise level costs no new render. Every number 
 then only the rounding to grey levels is left, and with `bits` 0 nothing.
 
 Noise: electrons ``e = signal * full_well_e / gain`` carry photon shot noise (Poisson, drawn from its
-Gaussian limit) and Gaussian read noise, as in the linear camera model of EMVA Standard 1288. Distortion is
-a matter of geometry: `rigsim.measure.distort`.
+Gaussian limit) and Gaussian read noise, as in the linear camera model of EMVA Standard 1288.
 """
 
 from __future__ import annotations
@@ -19,9 +18,11 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from rigsim.errors import InvalidImage, InvalidRig
+from rigsim.measure.distort import distort_image
 from rigsim.measure.images import AnyImage
 from rigsim.rig.arrays import Array
 from rigsim.rig.distortion import BrownConrady
+from rigsim.rig.intrinsics import Intrinsics
 
 Side = Literal["left", "right"]
 
@@ -39,7 +40,7 @@ class Sensor:
     blur_px: float = 0.0
     """Standard deviation of the lens's Gaussian point spread, px; the pixel's own square comes on top."""
     distortion: BrownConrady | None = None
-    """Lens distortion; None is none."""
+    """Lens distortion, for the camera that `optics` is given; None is none."""
     full_well_e: float = 0.0
     """Electrons that make full scale at gain 1; 0 is no photon noise."""
     read_noise_e: float = 0.0
@@ -101,16 +102,47 @@ class Sensor:
         return np.asarray(np.sqrt(shot + white + rounding))
 
 
-def expose(linear_image: AnyImage, sensor: Sensor, rng: np.random.Generator, side: Side = "left") -> AnyImage:
-    """`optics`, then `digitise`: a picture in grey levels of linear light (H, W) or (H, W, 3), 0 to 1."""
-    return digitise(optics(linear_image, sensor, side), sensor, rng)
+def expose(
+    linear_image: AnyImage,
+    sensor: Sensor,
+    rng: np.random.Generator,
+    side: Side = "left",
+    *,
+    supersample: int = 1,
+) -> AnyImage:
+    """`optics`, then `digitise`: a picture in grey levels of linear light (k H, k W[, 3]), 0 to 1."""
+    return digitise(optics(linear_image, sensor, side, supersample=supersample), sensor, rng)
 
 
-def optics(linear_image: AnyImage, sensor: Sensor, side: Side = "left") -> Array:
-    """Vignetting, lens blur, and the right picture's gain and offset; linear light in and out.
+def optics(
+    linear_image: AnyImage,
+    sensor: Sensor,
+    side: Side = "left",
+    *,
+    supersample: int = 1,
+    wide: Intrinsics | None = None,
+    camera: Intrinsics | None = None,
+) -> Array:
+    """Lens blur, distortion, the pixels' squares, vignetting, and the right picture's gain and offset.
+
+    A lens blurs before pixels sample: with `blur_px` below 0.7 give a picture `supersample` 2 or finer, or
+    the blur comes out too small and uneven.
+
+    Args:
+        linear_image: Linear light (k H, k W) or (k H, k W, 3), k pixels rendered for one along each side.
+        sensor: What to apply; its `distortion` is not looked at, `camera`'s is.
+        side: Whether it is the right picture, which may differ in brightness.
+        supersample: k.
+        wide: The pinhole camera the picture is of, from `rigsim.measure.distort.wider_intrinsics`; only
+            with `camera`.
+        camera: The camera with distortion whose picture is wanted; None leaves the geometry as it is.
+
+    Returns:
+        Linear light (H, W) or (H, W, 3).
 
     Raises:
-        InvalidImage: no picture, or grey levels instead of linear light.
+        InvalidImage: no picture, grey levels instead of linear light, or a size k does not divide.
+        InvalidRig: `wide` without `camera` or the other way round, or too narrow for it.
     """
     light = np.asarray(linear_image, dtype=np.float64)
     if light.ndim not in (2, 3) or 0 in light.shape or np.asarray(linear_image).dtype.kind != "f":
@@ -118,17 +150,40 @@ def optics(linear_image: AnyImage, sensor: Sensor, side: Side = "left") -> Array
             f"linear image of shape {light.shape} and type {np.asarray(linear_image).dtype}: "
             "must be (height, width) or (height, width, 3), floating point, 0 to 1"
         )
+    if (wide is None) != (camera is None):
+        raise InvalidRig(
+            "distortion: give both the wide camera that was rendered and the camera that is wanted"
+        )
+    if sensor.blur_px:
+        light = gaussian_filter(light, sensor.blur_px * supersample, mode="nearest", axes=(0, 1))
+    if wide is not None and camera is not None:
+        light = distort_image(light, wide, camera)
+    else:
+        light = average_pixels(light, supersample)
     if sensor.vignetting:
         height, width = light.shape[:2]
         v, u = np.ogrid[0:height, 0:width]
         r2 = (u - (width - 1) / 2) ** 2 + (v - (height - 1) / 2) ** 2
         shade = 1 - sensor.vignetting * r2 / max((((width - 1) / 2) ** 2 + ((height - 1) / 2) ** 2), 1.0)
         light = light * (shade if light.ndim == 2 else shade[..., None])
-    if sensor.blur_px:
-        light = gaussian_filter(light, sensor.blur_px, mode="nearest", axes=(0, 1))
     if side == "right" and (sensor.right_gain != 1 or sensor.right_offset != 0):
         light = sensor.right_gain * light + sensor.right_offset
     return light
+
+
+def average_pixels(image: AnyImage, k: int) -> Array:
+    """The mean (H, W[, 3]) of every k x k pixels.
+
+    Raises:
+        InvalidImage: k does not divide the picture's size.
+    """
+    pixels = np.asarray(image, dtype=np.float64)
+    height, width = pixels.shape[:2]
+    if k < 1 or height % k or width % k:
+        raise InvalidImage(f"image {width} x {height} px: no whole multiple of the supersampling {k}")
+    if k == 1:
+        return pixels
+    return np.asarray(pixels.reshape(height // k, k, width // k, k, *pixels.shape[2:]).mean(axis=(1, 3)))
 
 
 def digitise(
