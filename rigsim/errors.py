@@ -8,9 +8,11 @@
     ├── InvalidRange          a range, list or quantity that cannot be read
     ├── InvalidScene          a scene, preset or mount that cannot be used
     │   └── NothingSeen       the left camera sees nothing there
+    ├── InvalidImage          a picture that cannot be measured
     ├── RenderUnavailable     no renderer of the kind asked for
     ├── RenderMismatch        the renderer disagrees with rays or with the rig
     ├── TriangulatorError     a triangulator that is unknown, raises, or returns the wrong thing
+    ├── MeasurementFailed     nothing that was looked for was found in the pictures
     └── OutputError           a file or folder that cannot be read or written
 
 A message gives the value, the bound and the way out, in one line:
@@ -44,6 +46,10 @@ class NothingSeen(InvalidScene):
     """The left camera sees nothing (within the range asked for)."""
 
 
+class InvalidImage(RigsimError, ValueError):
+    """A picture that cannot be measured: wrong shape, black, saturated, or not of the rig's size."""
+
+
 class RenderUnavailable(RigsimError, RuntimeError):
     """No renderer of the kind asked for works here."""
 
@@ -54,6 +60,10 @@ class RenderMismatch(RigsimError, RuntimeError):
 
 class TriangulatorError(RigsimError, ValueError):
     """A triangulator that is unknown, raises, or returns the wrong thing."""
+
+
+class MeasurementFailed(RigsimError, RuntimeError):
+    """Nothing that was looked for was found in the pictures, or what looks for it is not installed."""
 
 
 class OutputError(RigsimError, OSError):

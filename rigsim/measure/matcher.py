@@ -1,0 +1,190 @@
+"""Other people's stereo matchers: called, imported or run, and kept from doing harm.
+
+A command gets ``{left}`` and ``{right}``, the paths of two PNG files, and ``{out}``, the path it writes:
+a PFM file, or the NPY of `numpy.save` (``{out}`` ends in .pfm, ``{out_npy}`` in .npy; what counts
+is the content). No shell reads it: write ``sh -c '...'`` for one.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import io
+import os
+import pickle
+import shlex
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from rigsim.errors import InvalidImage, MeasurementFailed
+from rigsim.measure.images import AnyImage
+from rigsim.measure.opencv import load_cv2
+from rigsim.measure.pfm import parse_pfm
+from rigsim.rig.stereo import StereoRig
+
+MatcherFunction: TypeAlias = Callable[[AnyImage, AnyImage, StereoRig], npt.ArrayLike]
+"""Left and right picture and their rig in, disparity (H, W) px out, not finite where unknown."""
+
+Matcher: TypeAlias = str | MatcherFunction
+"""``"sgbm"``, a function, its name ``package.module:function``, or a command."""
+
+
+def run_function(function: MatcherFunction, left: AnyImage, right: AnyImage, rig: StereoRig) -> Any:
+    """What `function` returns for copies of the pictures.
+
+    Raises:
+        MeasurementFailed: it raises; the message names what.
+    """
+    try:
+        return function(left.copy(), right.copy(), rig)
+    except Exception as error:
+        name = getattr(function, "__name__", repr(function))
+        raise MeasurementFailed(f"matcher {name} raised {_one_line(error)}") from error
+
+
+def run_named(spec: str, left: AnyImage, right: AnyImage, rig: StereoRig, timeout_s: float) -> Any:
+    """What the function ``package.module:function`` returns, run in a process that can be killed.
+
+    Raises:
+        MeasurementFailed: it cannot be imported, raises, dies or takes longer than `timeout_s`.
+    """
+    with tempfile.TemporaryDirectory(prefix="rigsim-matcher-") as folder:
+        task, answer = Path(folder, "task"), Path(folder, "answer")
+        task.write_bytes(pickle.dumps((spec, left, right, rig)))
+        # the child finds what this process can import, the folder it was started in first
+        search_path = os.pathsep.join([os.getcwd(), *(entry for entry in sys.path if entry)])
+        _run(
+            [sys.executable, "-m", "rigsim.measure.matcher", str(task), str(answer)],
+            f"matcher {spec}",
+            timeout_s,
+            {"PYTHONPATH": search_path},
+        )
+        return _load_answer(answer.read_bytes(), spec)
+
+
+def run_command(command: str, left: AnyImage, right: AnyImage, timeout_s: float) -> Any:
+    """The disparity that `command` writes.
+
+    Raises:
+        MeasurementFailed: a placeholder is missing, or the command cannot be started, fails, takes longer
+            than `timeout_s`, or writes no PFM or NPY file.
+    """
+    if not ("{left}" in command and "{right}" in command and ("{out}" in command or "{out_npy}" in command)):
+        raise MeasurementFailed(f"matcher command {command!r}: must hold {{left}}, {{right}} and {{out}}")
+    try:
+        words = shlex.split(command)
+    except ValueError as error:
+        raise MeasurementFailed(f"matcher command {command!r}: {error}") from None
+    with tempfile.TemporaryDirectory(prefix="rigsim-matcher-") as folder:
+        paths = {
+            "{left}": Path(folder, "left.png"),
+            "{right}": Path(folder, "right.png"),
+            "{out}": Path(folder, "disparity.pfm"),
+            "{out_npy}": Path(folder, "disparity.npy"),
+        }
+        _write_png(paths["{left}"], left)
+        _write_png(paths["{right}"], right)
+        for placeholder, path in paths.items():
+            words = [word.replace(placeholder, str(path)) for word in words]
+        _run(words, f"matcher {words[0]}", timeout_s, {})
+        written = [path for path in (paths["{out}"], paths["{out_npy}"]) if path.exists()]
+        if not written:
+            raise MeasurementFailed(f"matcher {words[0]} ended well, but wrote no {{out}} file")
+        return _load_disparity(written[0], words[0])
+
+
+def _run(words: Sequence[str], name: str, timeout_s: float, environment: Mapping[str, str]) -> None:
+    # files, not pipes: a grandchild that survives must not keep this process waiting
+    with tempfile.TemporaryFile() as said:
+        try:
+            process = subprocess.Popen(
+                words,
+                stdin=subprocess.DEVNULL,
+                stdout=said,
+                stderr=said,
+                env={**os.environ, **environment},
+                start_new_session=True,
+            )
+        except OSError as error:
+            raise MeasurementFailed(f"{name} cannot be started: {error.strerror or error}") from None
+        try:
+            code = process.wait(timeout_s)
+        except BaseException as error:
+            # the session it was given is its own, and it has not been waited for: this ends nothing else
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+            if isinstance(error, subprocess.TimeoutExpired):
+                raise MeasurementFailed(f"{name} took longer than {timeout_s:g} s: killed") from None
+            raise
+        if code != 0:
+            said.seek(0)
+            lines = said.read().decode(errors="replace").strip().splitlines()
+            why = f"signal {-code}" if code < 0 else f"exit code {code}"
+            raise MeasurementFailed(f"{name} failed with {why}" + (f": {lines[-1][:200]}" if lines else ""))
+
+
+def _load_answer(content: bytes, spec: str) -> Any:
+    kind, value = pickle.loads(content)
+    if kind == "error":
+        raise MeasurementFailed(f"matcher {spec} {value}")
+    return value
+
+
+def _load_disparity(path: Path, name: str) -> Any:
+    content = path.read_bytes()
+    try:
+        if content.startswith(b"\x93NUMPY"):
+            return np.load(io.BytesIO(content), allow_pickle=False)
+        return parse_pfm(content)
+    except (InvalidImage, ValueError, EOFError):
+        raise MeasurementFailed(f"matcher {name} wrote a file that is neither PFM nor NPY") from None
+
+
+def _write_png(path: Path, image: AnyImage) -> None:
+    cv2 = load_cv2()
+    if image.dtype.kind == "f":
+        image = np.clip(np.round(image), 0, 255).astype(np.uint8)
+    if image.ndim == 3:
+        image = image[..., 0] if image.shape[2] == 1 else image[..., 2::-1]
+    done, content = cv2.imencode(".png", np.ascontiguousarray(image))
+    if not done:
+        raise MeasurementFailed(f"{path.name} could not be written as PNG")
+    path.write_bytes(content.tobytes())
+
+
+def _one_line(error: BaseException) -> str:
+    lines = str(error).strip().splitlines()
+    return f"{type(error).__name__}: {lines[0][:200]}" if lines else type(error).__name__
+
+
+def _answer(task: bytes) -> tuple[str, Any]:
+    """Import and call the function of a task; what goes wrong is an answer too."""
+    spec, left, right, rig = pickle.loads(task)
+    module_name, _, function_name = spec.partition(":")
+    try:
+        function: Any = importlib.import_module(module_name)
+        for part in function_name.split("."):
+            function = getattr(function, part)
+    except Exception as error:
+        return "error", f"cannot be imported: {_one_line(error)}"
+    try:
+        return "found", np.asarray(function(left, right, rig))
+    except Exception as error:
+        return "error", f"raised {_one_line(error)}"
+
+
+def _main(task: str, answer: str) -> None:
+    Path(answer).write_bytes(pickle.dumps(_answer(Path(task).read_bytes())))
+
+
+if __name__ == "__main__":
+    _main(*sys.argv[1:])

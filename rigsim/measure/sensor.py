@@ -1,0 +1,218 @@
+"""What a lens and a sensor do to an ideal picture: blur, vignetting, mismatch, noise, grey levels.
+
+A rendered picture is linear light, 0 to 1 (1 fills the exposure). `optics` is what is the same in every
+frame, `digitise` what differs: a noise level costs no new render. Every number at zero is the ideal pinhole:
+then only the rounding to grey levels is left, and with `bits` 0 nothing.
+
+Noise: electrons ``e = signal * full_well_e / gain`` carry photon shot noise (Poisson, drawn from its
+Gaussian limit) and Gaussian read noise, as in the linear camera model of EMVA Standard 1288.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy.ndimage import gaussian_filter
+
+from rigsim.errors import InvalidImage, InvalidRig
+from rigsim.measure.distort import distort_image
+from rigsim.measure.images import AnyImage
+from rigsim.rig.arrays import Array
+from rigsim.rig.distortion import BrownConrady
+from rigsim.rig.intrinsics import Intrinsics
+
+Side = Literal["left", "right"]
+
+_BITS = (0, 8, 10, 12, 16)
+
+
+@dataclass(frozen=True, slots=True)
+class Sensor:
+    """A lens and a sensor; the default is the ideal pinhole at 8 bits.
+
+    Raises:
+        InvalidRig: a number that cannot be; the message gives it and its bound.
+    """
+
+    blur_px: float = 0.0
+    """Standard deviation of the lens's Gaussian point spread, px; the pixel's own square comes on top."""
+    distortion: BrownConrady | None = None
+    """Lens distortion, for the camera that `optics` is given; None is none."""
+    full_well_e: float = 0.0
+    """Electrons that make full scale at gain 1; 0 is no photon noise."""
+    read_noise_e: float = 0.0
+    """Standard deviation of the read noise, electrons; needs `full_well_e`."""
+    grey_noise: float = 0.0
+    """Standard deviation of white noise on top, 1/255 of full scale: grey levels of an 8-bit picture."""
+    gain: float = 1.0
+    """Analogue gain: full scale is reached at `full_well_e` / `gain` electrons, so more gain means fewer
+    electrons, and more noise, for the same picture."""
+    bits: int = 8
+    """Bits of the analogue-digital converter: 8, 10, 12 or 16; 0 neither rounds nor clips."""
+    right_gain: float = 1.0
+    """Brightness of the right picture over the left's."""
+    right_offset: float = 0.0
+    """Level of the right picture above the left's, share of full scale."""
+    vignetting: float = 0.0
+    """Loss of light in the picture's corners, 0 to 1: 1 - vignetting * (r / r_corner)^2."""
+
+    def __post_init__(self) -> None:
+        for name, value, unit in (
+            ("lens blur", self.blur_px, " px"),
+            ("full well", self.full_well_e, " e-"),
+            ("read noise", self.read_noise_e, " e-"),
+            ("grey noise", self.grey_noise, ""),
+        ):
+            if not (math.isfinite(value) and value >= 0):
+                raise InvalidRig(f"sensor: {name} {value:g}{unit}: must be >= 0 and finite")
+        for name, value in (("gain", self.gain), ("right gain", self.right_gain)):
+            if not (math.isfinite(value) and value > 0):
+                raise InvalidRig(f"sensor: {name} {value:g}: must be > 0 and finite")
+        if not -1 < self.right_offset < 1:
+            raise InvalidRig(f"sensor: right offset {self.right_offset:g}: must be between -1 and 1")
+        if not 0 <= self.vignetting < 1:
+            raise InvalidRig(f"sensor: vignetting {self.vignetting:g}: must be >= 0 and < 1")
+        if self.bits not in _BITS:
+            raise InvalidRig(f"sensor: {self.bits} bits: must be one of {', '.join(map(str, _BITS))}")
+        if self.read_noise_e > 0 and self.full_well_e == 0:
+            raise InvalidRig(
+                f"sensor: read noise {self.read_noise_e:g} e- without a full well: give full_well_e, "
+                "which says how many electrons are full scale"
+            )
+
+    @property
+    def full_scale(self) -> float:
+        """Largest grey level: 255, 1023, 4095 or 65535; 1 without a converter."""
+        return float(2**self.bits - 1) if self.bits else 1.0
+
+    @property
+    def grey_per_electron(self) -> float:
+        """Grey levels an electron makes; 0 without a full well."""
+        return self.full_scale * self.gain / self.full_well_e if self.full_well_e else 0.0
+
+    def noise_std(self, level: Array | float) -> Array:
+        """Standard deviation of the noise, grey levels, at a grey level; rounding included."""
+        k = self.grey_per_electron
+        shot = k * np.maximum(np.asarray(level, dtype=np.float64), 0.0)
+        rounding = 1 / 12 if self.bits else 0.0
+        white = (k * self.read_noise_e) ** 2 + (self.grey_noise / 255 * self.full_scale) ** 2
+        return np.asarray(np.sqrt(shot + white + rounding))
+
+
+def expose(
+    linear_image: AnyImage,
+    sensor: Sensor,
+    rng: np.random.Generator,
+    side: Side = "left",
+    *,
+    supersample: int = 1,
+) -> AnyImage:
+    """`optics`, then `digitise`: a picture in grey levels of linear light (k H, k W[, 3]), 0 to 1."""
+    return digitise(optics(linear_image, sensor, side, supersample=supersample), sensor, rng)
+
+
+def optics(
+    linear_image: AnyImage,
+    sensor: Sensor,
+    side: Side = "left",
+    *,
+    supersample: int = 1,
+    wide: Intrinsics | None = None,
+    camera: Intrinsics | None = None,
+) -> Array:
+    """Lens blur, distortion, the pixels' squares, vignetting, and the right picture's gain and offset.
+
+    A lens blurs before pixels sample: with `blur_px` below 0.7 give a picture `supersample` 2 or finer, or
+    the blur comes out too small and uneven.
+
+    Args:
+        linear_image: Linear light (k H, k W) or (k H, k W, 3), k pixels rendered for one along each side.
+        sensor: What to apply; its `distortion` is not looked at, `camera`'s is.
+        side: Whether it is the right picture, which may differ in brightness.
+        supersample: k.
+        wide: The pinhole camera the picture is of, from `rigsim.measure.distort.wider_intrinsics`; only
+            with `camera`.
+        camera: The camera with distortion whose picture is wanted; None leaves the geometry as it is.
+
+    Returns:
+        Linear light (H, W) or (H, W, 3).
+
+    Raises:
+        InvalidImage: no picture, grey levels instead of linear light, or a size k does not divide.
+        InvalidRig: `wide` without `camera` or the other way round, or too narrow for it.
+    """
+    light = np.asarray(linear_image, dtype=np.float64)
+    if light.ndim not in (2, 3) or 0 in light.shape or np.asarray(linear_image).dtype.kind != "f":
+        raise InvalidImage(
+            f"linear image of shape {light.shape} and type {np.asarray(linear_image).dtype}: "
+            "must be (height, width) or (height, width, 3), floating point, 0 to 1"
+        )
+    if (wide is None) != (camera is None):
+        raise InvalidRig(
+            "distortion: give both the wide camera that was rendered and the camera that is wanted"
+        )
+    if sensor.blur_px:
+        light = gaussian_filter(light, sensor.blur_px * supersample, mode="nearest", axes=(0, 1))
+    if wide is not None and camera is not None:
+        light = distort_image(light, wide, camera)
+    else:
+        light = average_pixels(light, supersample)
+    if sensor.vignetting:
+        height, width = light.shape[:2]
+        v, u = np.ogrid[0:height, 0:width]
+        r2 = (u - (width - 1) / 2) ** 2 + (v - (height - 1) / 2) ** 2
+        shade = 1 - sensor.vignetting * r2 / max((((width - 1) / 2) ** 2 + ((height - 1) / 2) ** 2), 1.0)
+        light = light * (shade if light.ndim == 2 else shade[..., None])
+    if side == "right" and (sensor.right_gain != 1 or sensor.right_offset != 0):
+        light = sensor.right_gain * light + sensor.right_offset
+    return light
+
+
+def average_pixels(image: AnyImage, k: int) -> Array:
+    """The mean (H, W[, 3]) of every k x k pixels.
+
+    Raises:
+        InvalidImage: k does not divide the picture's size.
+    """
+    pixels = np.asarray(image, dtype=np.float64)
+    height, width = pixels.shape[:2]
+    if k < 1 or height % k or width % k:
+        raise InvalidImage(f"image {width} x {height} px: no whole multiple of the supersampling {k}")
+    if k == 1:
+        return pixels
+    return np.asarray(pixels.reshape(height // k, k, width // k, k, *pixels.shape[2:]).mean(axis=(1, 3)))
+
+
+def digitise(
+    light: Array, sensor: Sensor, rng: np.random.Generator, *, frames: int | None = None
+) -> AnyImage:
+    """Grey levels of linear light (H, W) or (H, W, 3), with new noise at every call.
+
+    Args:
+        light: What `optics` returned.
+        sensor: Its electrons and bits.
+        rng: Where the noise comes from.
+        frames: Return so many noisy pictures, (frames, H, W[, 3]), instead of one.
+
+    Returns:
+        uint8 for 8 bits, uint16 for 10, 12 and 16 (0 to 2^bits - 1), float64 0 to 1 for 0 bits.
+    """
+    shape = light.shape if frames is None else (frames, *light.shape)
+    level = np.broadcast_to(light, shape)
+    variance = np.full((), (sensor.grey_noise / 255) ** 2)
+    if sensor.full_well_e:
+        electrons = sensor.full_well_e / sensor.gain
+        variance = variance + np.maximum(light, 0.0) / electrons + (sensor.read_noise_e / electrons) ** 2
+    if variance.any():
+        noisy = rng.standard_normal(shape)
+        noisy *= np.sqrt(variance)
+        noisy += light
+        level = noisy
+    if not sensor.bits:
+        return np.array(level)
+    grey = np.rint(level * sensor.full_scale)
+    np.clip(grey, 0.0, sensor.full_scale, out=grey)
+    return grey.astype(np.uint8 if sensor.bits == 8 else np.uint16)
