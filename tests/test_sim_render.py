@@ -157,6 +157,15 @@ def test_an_edge_lands_where_it_projects(slanted: Simulator, supersample: int):
         assert found == pytest.approx(edge, abs={1: 0.15, 2: 0.08, 4: 0.04}[supersample])
 
 
+def test_bands_join_without_a_seam(slanted: Simulator, monkeypatch: pytest.MonkeyPatch):
+    slanted.place(RIGS["rectified"])
+    whole = slanted.render().left
+    monkeypatch.setattr(render, "_BAND_PX", 320 * 4 * 50)  # fifty rows at a time
+    banded = slanted.render().left
+    np.testing.assert_allclose(banded.light, whole.light, atol=1.01 / 255)
+    assert np.abs(banded.light - whole.light).mean() < 1e-4
+
+
 def test_distortion_cannot_be_rendered(slanted: Simulator):
     from rigsim import BrownConrady
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import mujoco
@@ -24,6 +25,7 @@ _FLAT_TOLERANCE_M = 2e-5  # at 1 m and nearer; grows with depth
 _CURVED_TOLERANCE = 5e-3  # of the geom's bounding radius: chords of a 256-gon seen at a grazing angle
 _FLAT_GEOMS = (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_MESH)
 _SPARE_GEOMS = 1000
+_BAND_PX = 1 << 22  # drawn at once: four samples a pixel take 32 bytes each
 
 
 class GlRenderer:
@@ -54,17 +56,22 @@ class GlRenderer:
         """Linear light (H, W, 3) that falls on the left (0) or right (1) camera through `lens`, 0 to 1.
 
         Drawn `supersample` times as fine along each side and averaged, so that an edge lands
-        where the projection says.
+        where the projection says; in bands, so that memory does not grow with the picture.
 
         Raises:
             RenderMismatch: the frustum is not the lens's.
             RenderUnavailable: the picture is larger than this renderer was made for.
         """
-        rect = self._aim(side, lens.supersampled(supersample))
-        image = np.empty((rect.height, rect.width, 3), dtype=np.uint8)
-        mujoco.mjr_render(rect, self._scn, self._context)
-        mujoco.mjr_readPixels(image, None, rect, self._context)
-        light = box_average(image[::-1], supersample)
+        light = np.empty((lens.height, lens.width, 3), dtype=np.float32)
+        rows = max(1, _BAND_PX // (lens.width * supersample**2))
+        for top in range(0, lens.height, rows):
+            # a band is a picture of its own, whose principal point lies further up
+            band = replace(lens, height=min(rows, lens.height - top), cy=lens.cy - top)
+            rect = self._aim(side, band.supersampled(supersample))
+            image = np.empty((rect.height, rect.width, 3), dtype=np.uint8)
+            mujoco.mjr_render(rect, self._scn, self._context)
+            mujoco.mjr_readPixels(image, None, rect, self._context)
+            light[top : top + band.height] = box_average(image[::-1], supersample)
         light /= 255
         return light
 
@@ -140,6 +147,12 @@ class GlRenderer:
                     table[geom.segid + 1] = geom.objid
             self._geom_of_segment = table
         return self._geom_of_segment
+
+
+def buffer_size(lens: Intrinsics, supersample: int) -> tuple[int, int]:
+    """Width and height of the buffer that pictures through `lens` need, px: a band, and the plain depth."""
+    rows = max(1, _BAND_PX // (lens.width * supersample**2))
+    return lens.width * supersample, max(min(rows, lens.height) * supersample, lens.height)
 
 
 def check_size(lens: Intrinsics, supersample: int) -> None:

@@ -95,7 +95,7 @@ class Simulator:
             RenderUnavailable: the pictures are too large.
         """
         from rigsim.sim import rays
-        from rigsim.sim.render import check_depth, check_size
+        from rigsim.sim.render import buffer_size, check_depth, check_size
 
         rig = self._placed()
         own = (rig.left, rig.right)
@@ -105,7 +105,7 @@ class Simulator:
         drawn = lenses or own
         for lens in drawn:
             check_size(lens, supersample)
-        renderer = self._ready([lens.supersampled(supersample) for lens in drawn])
+        renderer = self._ready([buffer_size(lens, supersample) for lens in (*drawn, *own)])
         views = []
         for side in (0, 1):
             light = renderer.light(side, drawn[side], supersample)
@@ -136,8 +136,8 @@ class Simulator:
         """Name of what draws: rays, or what the GL library calls itself."""
         if self.backend == "rays":
             return "rays"
-        rig = self._placed()
-        self._ready([rig.left, rig.right])
+        left = self._placed().left
+        self._ready([(left.width, left.height)])
         from OpenGL import GL
 
         return f"{self.backend}: {GL.glGetString(GL.GL_RENDERER).decode()}"
@@ -153,12 +153,12 @@ class Simulator:
             raise InvalidRig("no rig was placed in the scene")
         return self.scene.rig
 
-    def _ready(self, lenses: list[Intrinsics]) -> Renderer:
+    def _ready(self, sizes: list[tuple[int, int]]) -> Renderer:
         """The renderer, made anew when it is to draw larger pictures than before."""
         from rigsim.sim.rays import RayRenderer
         from rigsim.sim.render import GlRenderer
 
-        need = (max(lens.width for lens in lenses), max(lens.height for lens in lenses))
+        need = (max(width for width, _ in sizes), max(height for _, height in sizes))
         if self._renderer is not None and (need[0] > self._size[0] or need[1] > self._size[1]):
             self.close()
         if self._renderer is None:
