@@ -6,6 +6,8 @@ import csv
 import io
 import json
 import math
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -291,3 +293,42 @@ def test_version_and_help(capsys: pytest.CaptureFixture[str]) -> None:
     for words, title in (([], "Usage: rigsim"), (["-h"], "Usage: rigsim"), (["calc"], "Usage: rigsim calc")):
         assert run(words) == 0
         assert capsys.readouterr().out.startswith(title)
+
+
+# --- the process ---
+
+
+def test_an_interrupt_is_silent(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    def interrupt(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("rigsim.cli.calc.single_rig", interrupt)
+    assert run(["calc", "depth", "--z", "3m", "--preset", "boards"]) == 130
+    assert capsys.readouterr() == ("", "")
+
+
+def test_a_bug_is_not_dressed_up_as_a_user_s_mistake(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr("rigsim.cli.calc.single_rig", fail)
+    with pytest.raises(ZeroDivisionError):
+        run(["calc", "depth", "--z", "3m", "--preset", "boards"])
+
+
+def test_an_error_message_stays_on_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["calc", "depth", "--z", "3m\n?", "--preset", "boards"]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+@pytest.mark.parametrize("words", [["--help"], ["calc", "point", *W1.split()]])
+def test_a_reader_that_left_is_no_error(words: list[str]) -> None:
+    code = "import sys; from rigsim.cli import main; sys.exit(main())"
+    with subprocess.Popen(
+        [sys.executable, "-c", code, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        process.stdout.close()
+        assert process.stderr.read() == ""
+    assert process.returncode == 1
