@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from rigsim.errors import InvalidRig
-from rigsim.rig.arrays import Array, Ids, Light
+from rigsim.rig.arrays import Array, Ids, Light, Mask
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim import backend
 from rigsim.sim.frame import StereoFrame, View
 
 if TYPE_CHECKING:
+    from rigsim.sim.boards import TrueCorners
     from rigsim.sim.points import GroundTruth
     from rigsim.sim.scene import Scene
 
@@ -124,6 +125,22 @@ class Simulator:
         from rigsim.sim.truth import sample_truth
 
         return sample_truth(self.scene, n_points, rng, range_m)
+
+    def true_corners(self) -> TrueCorners:
+        """Corners of the scene's checker boards; see `rigsim.sim.boards`."""
+        from rigsim.sim.boards import true_corners
+
+        return true_corners(self.scene)
+
+    def points_at(self, uv_left: Array) -> tuple[Array, Mask]:
+        """What the left camera sees at pixels (N, 2), and whether the right camera sees it too.
+
+        Returns:
+            Points (N, 3) m in the left camera's frame, NaN where there is nothing; and (N,).
+        """
+        from rigsim.sim.truth import points_at
+
+        return points_at(self.scene, uv_left)
 
     def true_disparity(self, frame: StereoFrame) -> Array:
         """Disparity of each pixel of the left picture; see `rigsim.sim.disparity.true_disparity`."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rigsim.errors import InvalidScene, NothingSeen
+from rigsim.rig.arrays import Array, Mask
 from rigsim.sim import rays
 from rigsim.sim.points import GroundTruth, balanced
 from rigsim.sim.scene import Scene
@@ -68,3 +69,20 @@ def sample_truth(
         in_right_image=in_right_image,
         geom_ids=geom,
     )
+
+
+def points_at(scene: Scene, uv_left: Array) -> tuple[Array, Mask]:
+    """What the left camera sees at pixels (N, 2), and whether the right camera sees it too.
+
+    Returns:
+        Points (N, 3) m in the left camera's frame, NaN where there is nothing; and (N,).
+    """
+    rig = scene.rig
+    if rig is None:
+        raise InvalidScene(f"scene {scene.name}: no rig was placed in it")
+    depth, _ = rays.depth_at(scene, 0, uv_left)
+    points_left = np.column_stack([rig.left.normalize(uv_left), np.ones(len(uv_left))]) * depth[:, None]
+    _, uv_right = rig.project(points_left)
+    visible = rig.right.contains(uv_right) & np.isfinite(depth)
+    visible[visible] = rays.sees(scene, 1, scene.world_from_camera(0).apply(points_left[visible]))
+    return points_left, visible

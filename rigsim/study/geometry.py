@@ -1,27 +1,34 @@
-"""One rig in one scene: render once, then every noise level and triangulator."""
+"""One rig in one scene: draw once, then every sensor, noise level and triangulator."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from rigsim.errors import NothingSeen
+from rigsim.measure.sensor import Sensor
 from rigsim.rig.arrays import Ids
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
-from rigsim.sim.frame import StereoFrame
 from rigsim.sim.points import GroundTruth, depth_edges_m
 from rigsim.sim.simulator import Simulator
+from rigsim.study.measured import Measured, measure
+from rigsim.study.pictures import Exposure, expose_pair, without_noise
 from rigsim.study.plan import Plan, triangulator_label
-from rigsim.study.rows import Evidence, Row, configuration, depth_rows, empty_row, overall_row
+from rigsim.study.result import Row
+from rigsim.study.rows import Evidence, configuration, depth_rows, empty_row, overall_row
 from rigsim.study.statistics import ErrorStatistics
 from rigsim.study.trial import Prediction, predict, run_trials
+
+CORNERS_FROM_BOARDS = 3
+"""With fewer boards in a scene its corners say little about it: patches are measured instead."""
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """The rows of one rig: one for each noise level and triangulator."""
+    """The rows of one rig: one for each noise level, triangulator and sensor."""
 
     rows: list[Row]
     """Rows of sweep.csv."""
@@ -33,50 +40,86 @@ class Outcome:
 class Look:
     """What a placed rig sees."""
 
-    frame: StereoFrame
-    """Both pictures."""
+    exposures: Mapping[Sensor, Exposure]
+    """Both views, once for each lens among the sensors."""
     truth: GroundTruth
     """Its ground-truth points."""
 
 
 def look(simulator: Simulator, rig: StereoRig, plan: Plan) -> Look:
-    """Place the rig, draw both pictures and sample the truth."""
+    """Place the rig, draw both views and sample the truth."""
     simulator.place(rig)
-    frame = simulator.render(plan.supersample)
+    lenses = dict.fromkeys(without_noise(sensor) for sensor in plan.sensors.values())
+    exposures = {lens: expose_pair(simulator, rig, lens, plan.supersample) for lens in lenses}
     rng = plan.stream("truth", simulator.scene.name, rig)
-    return Look(frame, simulator.truth(plan.n_points, rng, plan.range_m))
+    return Look(exposures, simulator.truth(plan.n_points, rng, plan.range_m))
 
 
 def run_rig(simulator: Simulator, rig: StereoRig, plan: Plan) -> Outcome:
-    """All rows of one rig; a noise level or a triangulator draws nothing again."""
+    """All rows of one rig; a noise level, of pixels or of grey levels, draws nothing again."""
     try:
-        truth = look(simulator, rig, plan).truth
+        seen = look(simulator, rig, plan)
     except NothingSeen as error:
         return _blind(simulator, rig, plan, str(error))
+    truth = seen.truth
     depth_m = truth.points_left[:, 2]
     near_m, far_m = plan.range_m or (float(depth_m.min()), float(depth_m.max()))
     edges_m = depth_edges_m(near_m, far_m)
     if plan.range_m is not None:
         edges_m = np.unique(edges_m.clip(near_m, far_m))
     bins = np.searchsorted(edges_m[1:-1], depth_m, side="right").astype(np.int32)
+    measured = _measure(simulator, rig, plan, seen)
+    methods = {triangulator_label(method): method for method in plan.triangulators}
     outcome = Outcome([], [])
     for noise in plan.noises:
         prediction, all_stats = simulate(simulator, rig, truth, noise, plan, bins)
         for label, stats in all_stats.items():
-            head = configuration(simulator.scene.name, rig, noise, label)
-            evidence = Evidence(
-                depth_m, truth.visible, truth.in_right_image, bins, edges_m, prediction, stats
-            )
-            outcome.rows.append(overall_row(head, evidence))
-            outcome.by_depth.extend(depth_rows(head, evidence))
+            for sensor in plan.sensors:
+                head = configuration(simulator.scene.name, rig, noise, label, sensor)
+                evidence = Evidence(
+                    rig=rig,
+                    depth_m=depth_m,
+                    visible=truth.visible,
+                    in_right_image=truth.in_right_image,
+                    bins=bins,
+                    edges_m=edges_m,
+                    prediction=prediction,
+                    stats=stats,
+                    measured=measured.get(sensor),
+                    triangulator=methods[label],
+                )
+                outcome.rows.append(overall_row(head, evidence))
+                outcome.by_depth.extend(depth_rows(head, evidence))
     return outcome
+
+
+def measuring_method(simulator: Simulator, plan: Plan) -> str:
+    """What is measured in this scene when the plan leaves it open."""
+    if plan.measure != "auto":
+        return plan.measure
+    return "corners" if len(simulator.scene.boards) >= CORNERS_FROM_BOARDS else "patches"
+
+
+def _measure(simulator: Simulator, rig: StereoRig, plan: Plan, seen: Look) -> dict[str, Measured]:
+    """What the pictures of each sensor say, by the sensor's name; empty when nothing is to be measured."""
+    method = measuring_method(simulator, plan)
+    if method == "none":
+        return {}
+    result = {}
+    for label, sensor in plan.sensors.items():
+        rng = plan.stream("picture", simulator.scene.name, rig, repr(sensor))
+        pictures = seen.exposures[without_noise(sensor)].pictures(sensor, rng)
+        result[label] = measure(method, simulator, rig, pictures)
+    return result
 
 
 def _blind(simulator: Simulator, rig: StereoRig, plan: Plan, why: str) -> Outcome:
     """The rows of a rig that sees nothing: one such rig does not end a sweep."""
-    labels = [triangulator_label(method) for method in plan.triangulators]
     heads = (
-        configuration(simulator.scene.name, rig, noise, label) for noise in plan.noises for label in labels
+        configuration(simulator.scene.name, rig, noise, triangulator_label(method), sensor)
+        for noise in plan.noises
+        for method in plan.triangulators
+        for sensor in plan.sensors
     )
     return Outcome([empty_row(head, plan.n_trials, why) for head in heads], [])
 

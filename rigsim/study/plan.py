@@ -5,13 +5,14 @@ from __future__ import annotations
 import hashlib
 import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 import numpy as np
 
 from rigsim.errors import InvalidRange
+from rigsim.measure.sensor import Sensor
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.noise import PixelNoise
@@ -20,6 +21,9 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import SUPERSAMPLE
 
 Triangulator: TypeAlias = str | Callable[[StereoRig, Array, Array], Array]
+
+MEASURES = ("auto", "none", "corners", "patches", "dense")
+"""What may be measured in the pictures."""
 
 SUPERSAMPLES = (1, 2, 4)
 """Samples along each side of a pixel that may be asked for."""
@@ -162,6 +166,11 @@ class Plan:
     """Seed of every random stream."""
     renderer: str = "auto"
     """auto, egl, osmesa or rays."""
+    measure: str = "auto"
+    """What is measured in the pictures: none, corners, patches or dense; "auto" takes corners where the
+    scene has boards, else patches."""
+    sensors: Mapping[str, Sensor] = field(default_factory=lambda: {"ideal": Sensor()})
+    """Lens and sensor that the pictures are taken with, by the name they have in tables."""
     supersample: int = SUPERSAMPLE
     """Samples along each side of a drawn pixel: 1, 2 or 4."""
     extra: dict[str, object] = field(default_factory=dict, compare=False)
@@ -174,8 +183,10 @@ class Plan:
             raise InvalidRange(f"trials {self.n_trials}: must be >= 1")
         if self.seed < 0:
             raise InvalidRange(f"seed {self.seed}: must be >= 0")
-        if not self.noises or not self.triangulators:
-            raise InvalidRange("a sweep needs at least one noise level and one triangulator")
+        if not self.noises or not self.triangulators or not self.sensors:
+            raise InvalidRange("a sweep needs at least one noise level, one triangulator and one sensor")
+        if self.measure not in MEASURES:
+            raise InvalidRange(f"measure {self.measure!r}: choose one of {', '.join(MEASURES)}")
         if self.supersample not in SUPERSAMPLES:
             raise InvalidRange(f"supersample {self.supersample}: must be 1, 2 or 4")
         if self.range_m is not None:

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 import pandas as pd
 
+from rigsim.measure.sensor import Sensor
 from rigsim.rig.arrays import Array, Image, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
+
+Row: TypeAlias = dict[str, str | float | int]
+"""One row of a table before it becomes one."""
 
 AXES: tuple[str, ...] = (
     "baseline_mm",
@@ -19,8 +24,25 @@ AXES: tuple[str, ...] = (
     "vergence_deg",
     "noise_px",
     "triangulator",
+    "sensor",
 )
 """Columns that say which configuration a row is about."""
+
+MEASURED_COLUMNS: tuple[str, ...] = (
+    "measured_method",
+    "measured_n",
+    "measured_outlier_fraction",
+    "measured_pixel_rms_px",
+    "measured_disparity_std_px",
+    "measured_depth_bias_mm",
+    "measured_depth_rmse_mm",
+    "measured_depth_abs_p95_mm",
+    "predicted_from_measured_rmse_mm",
+    "measured_over_predicted",
+    "measured_within_3_sigma",
+)
+"""What the two rendered pictures say: "none", 0 and NaN where nothing was measured. The prediction beside
+it is made from the accuracy that the measurement claims for itself, not from `noise_px`."""
 
 ROW_COLUMNS: tuple[str, ...] = (
     "scene",
@@ -43,6 +65,7 @@ ROW_COLUMNS: tuple[str, ...] = (
     "predicted_depth_rmse_mm",
     "predicted_over_simulated",
     "nees",
+    *MEASURED_COLUMNS,
     "agreement",
 )
 """Columns of sweep.csv, in order."""
@@ -74,6 +97,8 @@ class Showcase:
     """Truth points in the left camera's frame, (N, 3), m."""
     visible: Mask
     """Whether the point is seen by both cameras, (N,)."""
+    sensor: Sensor
+    """Lens and sensor that the pictures were taken with; the default is the ideal pinhole."""
     depth_rmse_m: Array
     """Simulated RMS depth error of each point over the trials, (N,), m; NaN where it was not triangulated."""
 

@@ -10,7 +10,9 @@ import numpy as np
 from rigsim.rig.arrays import Array, Ids, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.result import DEPTH_COLUMNS, ROW_COLUMNS
+from rigsim.study.measured import Measured, bins_of, measured_agreement, measured_row, nothing_measured
+from rigsim.study.plan import Triangulator
+from rigsim.study.result import DEPTH_COLUMNS, ROW_COLUMNS, Row
 from rigsim.study.statistics import ErrorStatistics, ErrorSummary, summarize
 from rigsim.study.trial import LOW_DISPARITY_SIGMAS, Prediction
 
@@ -21,14 +23,13 @@ _FAILED = (3, 1e-3)  # more failures than this, in number and share, are no acci
 _EXACT = 1e-9  # relative error that is arithmetic alone
 _DIGITS = 12
 
-Value = str | float | int
-Row = dict[str, Value]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Evidence:
     """All that one row is made of; (N,) over the truth points of the rig."""
 
+    rig: StereoRig
+    """The rig that is assumed."""
     depth_m: Array
     """True depth, m."""
     visible: Mask
@@ -43,9 +44,13 @@ class Evidence:
     """Prediction for the visible points, in their order."""
     stats: ErrorStatistics
     """Simulated errors of the visible points, in their order."""
+    measured: Measured | None
+    """What the pictures say; None when nothing was to be measured."""
+    triangulator: Triangulator
+    """The method under test."""
 
 
-def configuration(scene: str, rig: StereoRig, noise: PixelNoise, triangulator: str) -> Row:
+def configuration(scene: str, rig: StereoRig, noise: PixelNoise, triangulator: str, sensor: str) -> Row:
     """The columns that say what a row is about."""
     return {
         "scene": scene,
@@ -57,6 +62,7 @@ def configuration(scene: str, rig: StereoRig, noise: PixelNoise, triangulator: s
         "vergence_deg": _clean(rig.vergence_deg) + 0.0,
         "noise_px": noise.std_px,
         "triangulator": triangulator,
+        "sensor": sensor,
     }
 
 
@@ -64,13 +70,19 @@ def overall_row(head: Row, evidence: Evidence) -> Row:
     """The row of sweep.csv."""
     everything = np.ones(len(evidence.depth_m), dtype=bool)
     body = _body(evidence, everything, slice(0, len(evidence.stats.histogram)))
+    body = _with_measured(body, evidence, None)
     return {name: (head | body)[name] for name in ROW_COLUMNS}
 
 
 def empty_row(head: Row, n_trials: int, why: str) -> Row:
     """The row of sweep.csv for a rig that has no truth points."""
     row: Row = dict.fromkeys(ROW_COLUMNS, math.nan)
-    row |= {"n_points": 0, "n_trials": n_trials, "visible_fraction": 0.0, "overlap_fraction": 0.0}
+    row |= nothing_measured() | {
+        "n_points": 0,
+        "n_trials": n_trials,
+        "visible_fraction": 0.0,
+        "overlap_fraction": 0.0,
+    }
     return {**row, "agreement": f"flagged: {why}", **head}
 
 
@@ -80,7 +92,7 @@ def depth_rows(head: Row, evidence: Evidence) -> list[Row]:
     for i, (near, far) in enumerate(zip(evidence.edges_m[:-1], evidence.edges_m[1:], strict=True)):
         inside = evidence.bins == i
         if inside.any():
-            body = _body(evidence, inside, slice(i, i + 1))
+            body = _with_measured(_body(evidence, inside, slice(i, i + 1)), evidence, i)
             body |= {"depth_near_mm": _clean(near * 1e3), "depth_far_mm": _clean(far * 1e3)}
             rows.append({name: (head | body)[name] for name in DEPTH_COLUMNS})
     return rows
@@ -124,6 +136,20 @@ def _body(evidence: Evidence, inside: Mask, groups: slice) -> Row:
         "nees": summary.nees,
         "agreement": _agreement(evidence, kept, summary, median_m),
     }
+
+
+def _with_measured(body: Row, evidence: Evidence, depth_bin: int | None) -> Row:
+    """The row with what the pictures say of one depth bin, or of all; flagged if they object."""
+    measured = evidence.measured
+    if measured is None:
+        return {**body, **nothing_measured()}
+    bins = bins_of(measured, evidence.edges_m)
+    # a match of nothing has no depth: it counts as an outlier of the whole
+    inside = bins == depth_bin if depth_bin is not None else (bins >= 0) | measured.outlier
+    row = {**body, **measured_row(measured, evidence.rig, evidence.triangulator, inside)}
+    if row["agreement"] == "agrees" and (depth_bin is None or row["measured_n"]):
+        row["agreement"] = measured_agreement(row, measured.why)
+    return row
 
 
 def _agreement(evidence: Evidence, kept: Mask, summary: ErrorSummary, median_m: float) -> str:

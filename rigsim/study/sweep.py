@@ -14,10 +14,10 @@ from rigsim.sim.simulator import Simulator
 from rigsim.study import verdict as words
 from rigsim.study.executor import run_all
 from rigsim.study.geometry import Look, look, simulate
+from rigsim.study.pictures import without_noise
 from rigsim.study.plan import Plan, RigGrid, triangulator_label
 from rigsim.study.provenance import simulator_provenance
-from rigsim.study.result import AXES, DEPTH_COLUMNS, ROW_COLUMNS, Showcase, SweepResult
-from rigsim.study.rows import Row
+from rigsim.study.result import AXES, DEPTH_COLUMNS, ROW_COLUMNS, Row, Showcase, SweepResult
 from rigsim.theory.triangulation import resolve
 
 
@@ -93,7 +93,7 @@ def _conclude(
             "choose a smaller --baseline, another --range or another --mount"
         )
     swept = words.swept_axes(table, ("baseline_mm", "hfov_deg", "width_px") if lens_note else AXES)
-    per_rig = len(plan.noises) * len(plan.triangulators)
+    per_rig = len(plan.noises) * len(plan.triangulators) * len(plan.sensors)
     return SweepResult(
         rows=table,
         by_depth=depth_table,
@@ -118,8 +118,12 @@ def _showcase(simulator: Simulator, rig: StereoRig, row: int, plan: Plan) -> Sho
     """The best configuration once more, with its pictures and point by point: the streams repeat it."""
     seen: Look = look(simulator, rig, plan)
     truth = seen.truth
-    label_index = row % len(plan.triangulators)
-    noise = plan.noises[row // len(plan.triangulators) % len(plan.noises)]
+    # rows run over the rigs, then the noise levels, the triangulators and the sensors
+    rest, sensor_index = divmod(row, len(plan.sensors))
+    rest, label_index = divmod(rest, len(plan.triangulators))
+    noise = plan.noises[rest % len(plan.noises)]
+    sensor = list(plan.sensors.values())[sensor_index]
+    frame = seen.exposures[without_noise(sensor)].frame
     _, stats = simulate(simulator, rig, truth, noise, plan, np.zeros(len(truth.visible), dtype=np.int32))
     label = triangulator_label(plan.triangulators[label_index])
     depth_rmse_m = np.full(len(truth.visible), math.nan)
@@ -128,9 +132,10 @@ def _showcase(simulator: Simulator, rig: StereoRig, row: int, plan: Plan) -> Sho
         row=row,
         rig=rig,
         noise=noise,
-        image_left=seen.frame.left.image,
-        image_right=seen.frame.right.image,
+        image_left=frame.left.image,
+        image_right=frame.right.image,
         points_left=truth.points_left,
         visible=truth.visible,
+        sensor=sensor,
         depth_rmse_m=depth_rmse_m,
     )

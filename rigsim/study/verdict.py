@@ -22,6 +22,7 @@ _AXIS_WORDS = {
     "vergence_deg": ("vergence", "°"),
     "noise_px": ("noise", "px"),
     "triangulator": ("triangulator", ""),
+    "sensor": ("sensor", ""),
 }
 
 
@@ -144,7 +145,7 @@ def _depths(row: pd.Series) -> str:
 
 def _trend(rows: pd.DataFrame, swept: tuple[str, ...], best: int) -> list[str]:
     """How the error moves along the first numeric axis, the others held at the best row's values."""
-    numeric = [axis for axis in swept if axis != "triangulator"]
+    numeric = [axis for axis in swept if _AXIS_WORDS[axis][1]]
     if not numeric:
         return []
     axis = numeric[0]
@@ -205,7 +206,7 @@ def _low_disparity(row: pd.Series) -> list[str]:
 
 def _say(axis: str, value: object) -> str:
     words, unit = _AXIS_WORDS[axis]
-    if axis == "triangulator":
+    if not unit:
         return f"`{value}`"
     space = "" if unit == "°" else " "
     return f"{value:.4g}{space}{unit} of {words}"
