@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rigsim.errors import InvalidRig, OutputError
-from rigsim.interop.rig_toml import parse_rig, read_rig, write_rig
+from rigsim.interop.rig_toml import parse_rig, parse_sensor, read_rig, read_sensor, write_rig
+from rigsim.measure.sensor import Sensor
 from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.pose import Pose
@@ -48,6 +52,23 @@ cy_px = 240.0
 [right_from_left]
 R = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
 t_mm = [-100.0, 2.0, 3.0]
+"""
+SENSOR = """
+[sensor]
+blur_px = 0.7
+full_well_e = 10000
+read_noise_e = 3.5
+grey_noise = 1.25
+gain = 2
+bits = 12
+right_gain = 1.1
+right_offset = -0.02
+vignetting = 0.3
+
+[sensor.distortion]
+k1 = -0.1
+k3 = 0.02
+p2 = 0.001
 """
 
 
@@ -135,6 +156,119 @@ def test_typed_numbers_survive(baseline_mm: object, vergence_deg: object) -> Non
     assert parse_rig(write_rig(rig)) == rig
 
 
+def test_a_sensor_means_what_it_says() -> None:
+    meant = Sensor(
+        blur_px=0.7,
+        distortion=BrownConrady(k1=-0.1, p2=0.001, k3=0.02),
+        full_well_e=10_000.0,
+        read_noise_e=3.5,
+        grey_noise=1.25,
+        gain=2.0,
+        bits=12,
+        right_gain=1.1,
+        right_offset=-0.02,
+        vignetting=0.3,
+    )
+    for text in (SHORT, FULL):
+        assert parse_sensor(text + SENSOR) == meant
+        assert parse_rig(text + SENSOR) == parse_rig(text)
+
+
+def test_what_is_not_said_is_ideal() -> None:
+    assert parse_sensor(SHORT) is None
+    assert parse_sensor(SHORT + "[sensor]") == Sensor()
+    assert parse_sensor(SHORT + "[sensor]\nblur_px = 1") == Sensor(blur_px=1.0)
+
+
+def test_a_named_sensor_and_what_replaces_its_numbers() -> None:
+    named = SHORT + '[sensor]\nname = "IMX477"\n'
+    assert parse_sensor(named) == Sensor(full_well_e=8180.0, read_noise_e=3.0, bits=12)
+    assert parse_sensor(named + "read_noise_e = 5\nbits = 0\nvignetting = 0.2") == Sensor(
+        full_well_e=8180.0, read_noise_e=5.0, bits=0, vignetting=0.2
+    )
+    silent = parse_sensor(named + "full_well_e = 0\nread_noise_e = 0")
+    assert silent == Sensor(bits=12)
+    given = SHORT + '[sensor]\nname = "imx219"\nfull_well_e = 4700\nread_noise_e = 2'
+    assert parse_sensor(given) == Sensor(full_well_e=4700.0, read_noise_e=2.0, bits=10)
+
+
+share = st.floats(0.0, 1.0, exclude_max=True)
+number = st.floats(0.0, 1e9)
+positive = st.floats(1e-6, 1e6)
+sensors = st.builds(
+    Sensor,
+    blur_px=number,
+    distortion=st.none() | st.builds(BrownConrady, *[small] * 5),
+    full_well_e=st.floats(1e-3, 1e9),
+    read_noise_e=number,
+    grey_noise=number,
+    gain=positive,
+    bits=st.sampled_from([0, 8, 10, 12, 16]),
+    right_gain=positive,
+    right_offset=st.floats(-1.0, 1.0, exclude_min=True, exclude_max=True),
+    vignetting=share,
+)
+
+
+@given(sensors, st.sampled_from([SHORT, FULL]))
+def test_a_written_sensor_reads_back_exactly(sensor: Sensor, text: str) -> None:
+    rig = parse_rig(text)
+    written = write_rig(rig, sensor=sensor)
+    assert parse_sensor(written) == sensor
+    assert parse_rig(written) == rig
+
+
+def test_a_sensor_is_written_only_when_there_is_one() -> None:
+    rig = parse_rig(SHORT)
+    assert "sensor" not in write_rig(rig)
+    assert parse_sensor(write_rig(rig, sensor=Sensor())) == Sensor()
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("blur = 1", ["unknown key sensor.blur: must be one of name, blur_px, full_well_e", "vignetting"]),
+        ("distortion.k4 = 1", ["unknown key sensor.distortion.k4: must be one of k1, k2, p1, p2, k3"]),
+        ("blur_px = -1", ["sensor.blur_px -1: must be >= 0"]),
+        ("blur_px = 'wide'", ["sensor.blur_px 'wide': must be a number"]),
+        ("blur_px = nan", ["sensor.blur_px", "finite"]),
+        ("full_well_e = -0.5", ["sensor.full_well_e -0.5: must be >= 0"]),
+        ("full_well_e = 9\nread_noise_e = -2", ["sensor.read_noise_e -2: must be >= 0"]),
+        ("read_noise_e = 2", ["read noise 2 e- without a full well", "full_well_e"]),
+        ("grey_noise = -1e-9", ["sensor.grey_noise -1E-9: must be >= 0"]),
+        ("gain = 0", ["sensor.gain 0: must be > 0"]),
+        ("right_gain = -1", ["sensor.right_gain -1: must be > 0"]),
+        ("right_offset = 1", ["sensor.right_offset 1: must be < 1"]),
+        ("right_offset = -1.0", ["sensor.right_offset -1.0: must be > -1"]),
+        ("vignetting = 1.0", ["sensor.vignetting 1.0: must be < 1"]),
+        ("vignetting = 0.99999999999999999999", ["vignetting 1: must be >= 0 and < 1"]),
+        ("bits = 9", ["sensor.bits 9: must be one of 0, 8, 10, 12, 16"]),
+        ("bits = 8.0", ["sensor.bits 8.0: must be a whole number"]),
+        ("bits = true", ["sensor.bits True: must be a whole number"]),
+        ("distortion = 3", ["sensor.distortion 3: must be a table"]),
+        ("distortion.k1 = 'a'", ["sensor.distortion.k1 'a': must be a number"]),
+        ("name = 477", ["sensor.name 477: must be a name in quotes"]),
+        ("name = 'kodak'", ["unknown sensor 'kodak'", "imx219", "imx477", "ov9282"]),
+        ("name = 'IMX296'", ["sensor imx296: no published full_well_e and read_noise_e: give it"]),
+        ("name = 'OV5647'", ["sensor ov5647: no published read_noise_e: give it"]),
+        ("name = 'IMX477'\nfull_well_e = 0", ["read noise 3 e- without a full well"]),
+    ],
+)
+@pytest.mark.parametrize("read", [read_rig, read_sensor])
+def test_slips_in_a_sensor_are_named_in_one_line(
+    tmp_path: Path, read: Callable[[Path], object], text: str, words: list[str]
+) -> None:
+    path = tmp_path / "rig.toml"
+    path.write_text(f"{SHORT}\n[sensor]\n{text}\n", encoding="utf-8")
+    with pytest.raises(InvalidRig) as raised:
+        read(path)
+    message = str(raised.value)
+    assert message.startswith(f"{path}: ")
+    assert "\n" not in message
+    for word in words:
+        assert word in message
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
@@ -168,6 +302,10 @@ def test_typed_numbers_survive(baseline_mm: object, vergence_deg: object) -> Non
         (FULL.replace("[-100.0, 2.0, 3.0]", "[0, 0, 0]"), ["baseline 0 mm: must be > 0"]),
         (FULL + "rotvec_deg = [0, 0, 90]", ["one of R (3 x 3) and rotvec_deg"]),
         ("left = 3", ["left 3: must be a table"]),
+        ("sensor = 3\n" + SHORT, ["sensor 3: must be a table"]),
+        (SHORT + "[[sensor]]\nbits = 8", ["sensor [{'bits': 8}]: must be a table"]),
+        (SHORT + "[sensors]", ["unknown key sensors", "sensor"]),
+        (FULL + "[sensors]", ["unknown key sensors", "right_from_left, sensor"]),
         (FULL.replace("[right_from_left]", "[right_from_lefty]"), ["unknown key right_from_lefty"]),
     ],
 )
@@ -197,3 +335,19 @@ def test_read_rig_reads_what_write_rig_wrote(tmp_path: Path) -> None:
     path = tmp_path / "rig.toml"
     path.write_text(write_rig(PRESETS["artifact"].rig), encoding="utf-8")
     assert read_rig(path) == PRESETS["artifact"].rig
+    assert read_sensor(path) is None
+    path.write_text(write_rig(PRESETS["artifact"].rig, sensor=Sensor(blur_px=0.5)), encoding="utf-8")
+    assert read_rig(path) == PRESETS["artifact"].rig
+    assert read_sensor(path) == Sensor(blur_px=0.5)
+
+
+def test_a_rig_without_a_sensor_loads_nothing_of_it(tmp_path: Path) -> None:
+    path = tmp_path / "rig.toml"
+    path.write_text(SHORT, encoding="utf-8")
+    code = (
+        "import sys\nfrom pathlib import Path\nfrom rigsim.interop.rig_toml import read_rig\n"
+        "read_rig(Path(sys.argv[1]))\n"
+        "print('rigsim.interop.rig_schema' in sys.modules, 'scipy' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code, path], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["True", "False"]

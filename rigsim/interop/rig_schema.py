@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from decimal import Decimal
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
@@ -16,19 +16,37 @@ from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 
+if TYPE_CHECKING:
+    from rigsim.measure.sensor import Sensor
+
 LARGEST = 10**12
 """Bound of every number, far beyond any rig."""
 
 
 def rig_from_table(table: Mapping[str, object]) -> StereoRig:
-    """The rig a TOML table describes, its floats given as `Decimal`.
+    """The rig a TOML table describes, its floats given as `Decimal`; its sensor is looked at, no more.
 
     Raises:
         InvalidRig: unknown or missing keys, values out of bounds; the message names the key.
     """
-    form: type[_Short] | type[_Full] = _Full if set(_Full.model_fields) & set(table) else _Short
+    return _both(table)[0]
+
+
+def sensor_from_table(table: Mapping[str, object]) -> Sensor | None:
+    """The sensor in the TOML table of a rig, its floats given as `Decimal`; None where there is none.
+
+    Raises:
+        InvalidRig: as `rig_from_table`, for rig and sensor alike.
+    """
+    return _both(table)[1]
+
+
+def _both(table: Mapping[str, object]) -> tuple[StereoRig, Sensor | None]:
+    is_full = {"left", "right", "right_from_left"} & set(table)
+    form: type[_Short] | type[_Full] = _Full if is_full else _Short
     try:
-        return form.model_validate(table).rig()
+        read = form.model_validate(table)
+        return read.rig(), None if read.sensor is None else read.sensor.sensor()
     except ValidationError as error:
         raise InvalidRig(_explained(error, form)) from None
 
@@ -48,14 +66,70 @@ def _whole(value: object) -> object:
     return value
 
 
+def _bits(value: object) -> object:
+    if _whole(value) not in _BITS:
+        raise ValueError(f"must be one of {', '.join(map(str, _BITS))}")
+    return value
+
+
+def _name(value: object) -> object:
+    if not isinstance(value, str):
+        raise ValueError('must be a name in quotes, as in "IMX477"')
+    return value
+
+
+_BITS = (0, 8, 10, 12, 16)
+
 _Number = Annotated[Decimal, BeforeValidator(_number)]
 _Positive = Annotated[_Number, Field(gt=0)]
+_NotNegative = Annotated[_Number, Field(ge=0)]
 _Size = Annotated[int, BeforeValidator(_whole), Field(ge=1, le=10**6)]
 _Vector = Annotated[list[_Number], Field(min_length=3, max_length=3)]
 
 
 class _Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class _Distortion(_Table):
+    k1: _Number = Decimal(0)
+    k2: _Number = Decimal(0)
+    p1: _Number = Decimal(0)
+    p2: _Number = Decimal(0)
+    k3: _Number = Decimal(0)
+
+    def lens(self) -> BrownConrady:
+        return BrownConrady(**{name: float(value) for name, value in self})
+
+
+class _Sensor(_Table):
+    """What is not given is the named sensor's or, without a name, the ideal one's."""
+
+    name: Annotated[str, BeforeValidator(_name)] | None = None
+    blur_px: _NotNegative | None = None
+    full_well_e: _NotNegative | None = None
+    read_noise_e: _NotNegative | None = None
+    grey_noise: _NotNegative | None = None
+    gain: _Positive | None = None
+    bits: Annotated[int, BeforeValidator(_bits)] | None = None
+    right_gain: _Positive | None = None
+    right_offset: Annotated[_Number, Field(gt=-1, lt=1)] | None = None
+    vignetting: Annotated[_Number, Field(ge=0, lt=1)] | None = None
+    distortion: _Distortion | None = None
+
+    def sensor(self) -> Sensor:
+        # only files that hold a sensor pay for what it loads
+        from rigsim.measure.sensor import Sensor
+        from rigsim.measure.sensor_presets import sensor_preset
+
+        given: dict[str, Any] = {}
+        for key in self.model_fields_set - {"name"}:
+            value = getattr(self, key)
+            given[key] = value.lens() if key == "distortion" else value if key == "bits" else float(value)
+        if self.name is None:
+            return Sensor(**given)
+        electrons = {key: given.pop(key, None) for key in ("full_well_e", "read_noise_e")}
+        return replace(sensor_preset(self.name).sensor(**electrons), **given)
 
 
 class _Short(_Table):
@@ -69,6 +143,7 @@ class _Short(_Table):
     vergence_deg: Annotated[_Number, Field(gt=-180, lt=180)] = Decimal(0)
     cx_px: _Number | None = None
     cy_px: _Number | None = None
+    sensor: _Sensor | None = None
 
     def rig(self) -> StereoRig:
         lens = self._lens()
@@ -97,14 +172,6 @@ class _Short(_Table):
 _LENS_KEYS = ("focal_px", "hfov_deg", "focal_mm", "sensor_width_mm")
 
 
-class _Distortion(_Table):
-    k1: _Number = Decimal(0)
-    k2: _Number = Decimal(0)
-    p1: _Number = Decimal(0)
-    p2: _Number = Decimal(0)
-    k3: _Number = Decimal(0)
-
-
 class _Camera(_Table):
     width_px: _Size
     height_px: _Size
@@ -122,7 +189,7 @@ class _Camera(_Table):
             float(self.fy_px),
             float(self.cx_px),
             float(self.cy_px),
-            BrownConrady(**{name: float(value) for name, value in self.distortion}),
+            self.distortion.lens(),
         )
 
 
@@ -144,6 +211,7 @@ class _Full(_Table):
     left: _Camera
     right: _Camera
     right_from_left: _Pose
+    sensor: _Sensor | None = None
 
     def rig(self) -> StereoRig:
         return StereoRig(self.left.intrinsics(), self.right.intrinsics(), self.right_from_left.pose())
@@ -173,9 +241,10 @@ def _explained(error: ValidationError, form: type[_Table]) -> str:
 
 def _known_keys(form: type[_Table], path: Sequence[str]) -> list[str]:
     for part in path:
-        inner = form.model_fields[part].annotation
-        if isinstance(inner, type) and issubclass(inner, _Table):
-            form = inner
+        annotation = form.model_fields[part].annotation
+        for inner in (annotation, *get_args(annotation)):
+            if isinstance(inner, type) and issubclass(inner, _Table):
+                form = inner
     return list(form.model_fields)
 
 

@@ -1,4 +1,4 @@
-"""rig.toml: a stereo rig as a file people write and read.
+"""rig.toml: a stereo rig, and the sensor behind its lenses, as a file people write and read.
 
 Short form, two equal cameras::
 
@@ -14,6 +14,15 @@ Full form, any two cameras: ``[left]`` and ``[right]`` hold ``width_px, height_p
 cx_px, cy_px`` and optionally ``[left.distortion]`` ``k1, k2, p1, p2, k3``; ``[right_from_left]`` holds
 ``R`` (3 x 3) or ``rotvec_deg``, and ``t_mm``.
 
+Either form may hold a sensor, for both cameras; what is left out is ideal, or the named sensor's::
+
+    [sensor]
+    name = "IMX477"         # optional, one that `rigsim scenes` lists
+    blur_px = 0.6           # and full_well_e, read_noise_e, grey_noise, gain, bits, right_gain,
+                            # right_offset, vignetting: the fields of `rigsim.measure.sensor.Sensor`
+    [sensor.distortion]     # optional, keys as in [left.distortion]
+    k1 = -0.05
+
 Numbers are read and scaled as decimals, so what was written is read back bit for bit.
 """
 
@@ -21,14 +30,22 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable
+from dataclasses import fields
 from decimal import Decimal
 from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
 
 from rigsim.errors import InvalidRig, OutputError
-from rigsim.interop.rig_schema import LARGEST, rig_from_table
+from rigsim.interop.rig_schema import LARGEST, rig_from_table, sensor_from_table
 from rigsim.rig.arrays import Array
+from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
+
+if TYPE_CHECKING:
+    from rigsim.measure.sensor import Sensor
+
+_T = TypeVar("_T")
 
 _PREAMBLE = """\
 # rigsim stereo rig. Lengths in mm, angles in deg, the rest in px; integer pixel = pixel centre.
@@ -41,18 +58,20 @@ def read_rig(path: Path) -> StereoRig:
 
     Raises:
         OutputError: the file cannot be read.
-        InvalidRig: no TOML, unknown or missing keys, values out of bounds; the message names file and key.
+        InvalidRig: no TOML, unknown or missing keys, values out of bounds, a sensor that cannot be; the
+            message names file and key.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except UnicodeDecodeError:
-        raise InvalidRig(f"{path}: is not TOML (not UTF-8 text)") from None
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be read ({error.strerror}); name a rig.toml") from None
-    try:
-        return parse_rig(text)
-    except InvalidRig as error:
-        raise InvalidRig(f"{path}: {error}") from None
+    return _read(path, parse_rig)
+
+
+def read_sensor(path: Path) -> Sensor | None:
+    """The sensor in the rig file `path`; None where the file says nothing of one.
+
+    Raises:
+        OutputError: the file cannot be read.
+        InvalidRig: as `read_rig`.
+    """
+    return _read(path, parse_sensor)
 
 
 def parse_rig(text: str) -> StereoRig:
@@ -61,25 +80,50 @@ def parse_rig(text: str) -> StereoRig:
     Raises:
         InvalidRig: as `read_rig`.
     """
+    return rig_from_table(_table(text))
+
+
+def parse_sensor(text: str) -> Sensor | None:
+    """The sensor in the TOML text `text` of a rig; None where it says nothing of one.
+
+    Raises:
+        InvalidRig: as `read_rig`.
+    """
+    return sensor_from_table(_table(text))
+
+
+def write_rig(rig: StereoRig, comment: str = "", sensor: Sensor | None = None) -> str:
+    """TOML text that reads back as exactly `rig` and `sensor`; short form where that is possible.
+
+    `comment` is put on top, as many lines as it has. The sensor is written number by number, without the
+    name it may have had, so that it stays what it was.
+    """
+    top = "".join(f"# {line}".rstrip() + "\n" for line in comment.splitlines())
+    short = _short_text(rig)
+    body = short if short is not None and parse_rig(short) == rig else _full_text(rig)
+    return top + _PREAMBLE + body + ("" if sensor is None else _sensor_text(sensor))
+
+
+def _read(path: Path, parse: Callable[[str], _T]) -> _T:
     try:
-        table = tomllib.loads(text, parse_float=Decimal)
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError:
+        raise InvalidRig(f"{path}: is not TOML (not UTF-8 text)") from None
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be read ({error.strerror}); name a rig.toml") from None
+    try:
+        return parse(text)
+    except InvalidRig as error:
+        raise InvalidRig(f"{path}: {error}") from None
+
+
+def _table(text: str) -> dict[str, object]:
+    try:
+        return tomllib.loads(text, parse_float=Decimal)
     except ArithmeticError:
         raise InvalidRig(f"a number is too large: must be within +-{LARGEST:g}") from None
     except ValueError as error:
         raise InvalidRig(f"is not TOML: {error}") from None
-    return rig_from_table(table)
-
-
-def write_rig(rig: StereoRig, comment: str = "") -> str:
-    """TOML text that reads back as exactly `rig`; short form where that is possible.
-
-    `comment` is put on top, as many lines as it has.
-    """
-    top = "".join(f"# {line}".rstrip() + "\n" for line in comment.splitlines())
-    short = _short_text(rig)
-    if short is not None and parse_rig(short) == rig:
-        return top + _PREAMBLE + short
-    return top + _PREAMBLE + _full_text(rig)
 
 
 def _short_text(rig: StereoRig) -> str | None:
@@ -132,10 +176,30 @@ def _camera_lines(name: str, camera: Intrinsics) -> list[str]:
         f"cy_px = {camera.cy!r}",
     ]
     if camera.distortion is not None:
-        lens = camera.distortion
-        lines += ["", f"[{name}.distortion]"]
-        lines += [f"{key} = {getattr(lens, key)!r}" for key in ("k1", "k2", "p1", "p2", "k3")]
+        lines += _distortion_lines(name, camera.distortion)
     return lines
+
+
+def _distortion_lines(owner: str, lens: BrownConrady) -> list[str]:
+    keys = ("k1", "k2", "p1", "p2", "k3")
+    return ["", f"[{owner}.distortion]", *(f"{key} = {getattr(lens, key)!r}" for key in keys)]
+
+
+def _sensor_text(sensor: Sensor) -> str:
+    lines = [
+        "",
+        "# Electrons at gain 1; grey_noise in 1/255 of full scale; right_offset and vignetting in shares.",
+        "[sensor]",
+    ]
+    for field in fields(sensor):
+        value = getattr(sensor, field.name)
+        if field.name == "bits":
+            lines.append(f"bits = {int(value)}")
+        elif field.name != "distortion":
+            lines.append(f"{field.name} = {float(value)!r}")
+    if sensor.distortion is not None:
+        lines += _distortion_lines("sensor", sensor.distortion)
+    return "\n".join(lines) + "\n"
 
 
 def _row(values: Array, text: Callable[[float], str]) -> str:
