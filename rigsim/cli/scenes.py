@@ -1,10 +1,18 @@
-"""`rigsim scenes`: the bundled scenes and the rigs made for them."""
+"""`rigsim scenes`: the bundled scenes, the rigs made for them, and the sensors known by name."""
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+import typer
+
+if TYPE_CHECKING:
+    from rigsim.measure.sensor_presets import SensorPreset
+
 
 def scenes() -> None:
-    """List the bundled scenes and the preset rigs."""
+    """List the bundled scenes, the preset rigs and the sensors."""
+    from rigsim.measure.sensor_presets import SENSORS
     from rigsim.present.console import print_table
     from rigsim.rig.presets import PRESETS
     from rigsim.sim import library
@@ -30,3 +38,37 @@ def scenes() -> None:
         ("preset", "baseline mm", "focal px", "image px", "HFOV deg", "what it is for"),
         rows,
     )
+    print_table(
+        "Sensors (--sensor)",
+        ("sensor", "maker", "pixel um", "image px", "bits", "full well e-", "read noise e-"),
+        [
+            (
+                sensor.name,
+                sensor.maker,
+                f"{sensor.pitch_um:g}",
+                f"{sensor.width}x{sensor.height}",
+                sensor.bits,
+                _electrons(sensor.full_well_e),
+                _electrons(sensor.read_noise_e),
+            )
+            for sensor in SENSORS.values()
+        ],
+    )
+    typer.echo(
+        "A number without a source (–) has to be given: --full-well and --read-noise, or\n"
+        "[sensor] full_well_e and read_noise_e in rig.toml; 0 leaves that noise out.\n"
+    )
+    print_table(
+        "Sources", ("sensor", "source"), [(sensor.name, _source(sensor)) for sensor in SENSORS.values()]
+    )
+
+
+def _electrons(value: float | None) -> str:
+    return "–" if value is None else f"{value:g}"
+
+
+def _source(sensor: SensorPreset) -> str:
+    """Where its numbers come from; one source in two words is named once."""
+    if sensor.noise_source.startswith(sensor.geometry_source):
+        return sensor.noise_source
+    return "; ".join(text for text in (sensor.geometry_source, sensor.noise_source) if text)
