@@ -56,20 +56,6 @@ def test_the_strip_shows_predicted_over_simulated() -> None:
     assert high > ratios[:, 1].max()
 
 
-def test_measured_rows_are_drawn_as_a_third_mark_once_they_exist() -> None:
-    result = make_result(n_points=50)
-    plain = figure_of(result, "axis-baseline-mm").axes[0]
-    measured = result.rows["depth_rmse_mm"] * 3
-    with_third = make_result(n_points=50, rows=result.rows.assign(measured_depth_rmse_mm=measured))
-    figure = figure_of(with_third, "axis-baseline-mm")
-    offsets = [np.asarray(artist.get_offsets()) for artist in figure.axes[0].collections]
-    found = [o for o in offsets if len(o) == len(measured) and np.allclose(o[:, 1], measured)]
-    assert len(found) == 1
-    assert len(figure.axes[0].collections) == len(plain.collections) + 1
-    assert "measured in images" in legend_texts(figure)
-    assert figure.axes[0].get_ylim()[1] > measured.max()
-
-
 def legend_texts(figure: Figure) -> list[str]:
     return [text.get_text() for legend in figure.legends for text in legend.get_texts()]
 

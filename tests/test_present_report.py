@@ -13,7 +13,8 @@ from test_present_synthetic import make_result
 from rigsim.present import format as fmt
 from rigsim.present.files import sweep_files
 from rigsim.present.report import report_html
-from rigsim.present.tables import MOST_ROWS, all_rows, best_by_depth, rig_table
+from rigsim.present.rig_table import rig_table
+from rigsim.present.tables import MOST_ROWS, all_rows, best_by_depth
 from rigsim.study.result import SweepResult, Verdict
 
 VOID = {"meta", "img", "br", "hr", "link", "input"}

@@ -13,6 +13,8 @@ from rigsim.present.columns import COLUMNS
 from rigsim.study.result import SweepResult
 
 MAX_LINES = 6
+WORDS = ("triangulator", "sensor")
+"""Axes whose values are names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +129,7 @@ def representative(values: tuple[Any, ...], wanted: Any, count: int = MAX_LINES)
 
 def _axis(rows: pd.DataFrame, name: str) -> Axis:
     column = COLUMNS[name]
-    numeric = name != "triangulator"
+    numeric = name not in WORDS
     found = rows[name].unique().tolist()
     values = tuple(sorted(found) if numeric else found)
     show = column.show

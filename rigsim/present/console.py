@@ -16,6 +16,8 @@ from rich.text import Text
 from rigsim.present.format import count, number, percent, ratio
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from rigsim.present.axes import Axis
     from rigsim.study.result import SweepResult
 
@@ -90,6 +92,7 @@ def print_sweep(result: SweepResult, folder: Path | None = None, *, console: Con
         console: where to; standard output by default.
     """
     from rigsim.present.axes import swept_axes
+    from rigsim.present.measured import equivalent_noise_words
 
     console = console or make_console()
     axes = swept_axes(result)
@@ -117,6 +120,10 @@ def print_sweep(result: SweepResult, folder: Path | None = None, *, console: Con
         numeric=[column.numeric for column in columns],
         console=console,
     )
+    noise = equivalent_noise_words(rows.iloc[places[0]])
+    if noise:
+        _paragraph(console, noise)
+        console.print()
     _print_flags(result, console, axes)
     if folder is not None:
         _say(console, f"Report: {folder / 'report.html'}", "bold")
@@ -146,7 +153,20 @@ def _sweep_columns(result: SweepResult, axes: list[Axis], places: list[int]) -> 
         _Column("predicted/\nsimulated", tuple(map(ratio, best["predicted_over_simulated"])), True, 3),
         _Column("seen by\nboth, %", tuple(map(percent, best["visible_fraction"])), True, 2),
         _Column("limited by", tuple(result.limits[place] for place in places), False, 4),
+        *_measured_columns(best),
         _Column("agreement", agreement, False, 9),
+    ]
+
+
+def _measured_columns(best: pd.DataFrame) -> list[_Column]:
+    """What the third witness says, when there is one."""
+    from rigsim.present.measured import was_measured
+
+    if not was_measured(best):
+        return []
+    return [
+        _Column("measured\nRMS, mm", tuple(map(number, best["measured_depth_rmse_mm"])), True, 8),
+        _Column("measured/\npredicted", tuple(map(ratio, best["measured_over_predicted"])), True, 7),
     ]
 
 

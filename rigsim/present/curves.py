@@ -5,13 +5,18 @@ from __future__ import annotations
 import textwrap
 from dataclasses import dataclass
 
+import pandas as pd
 from matplotlib.figure import Figure
 
 from rigsim.present import style
 from rigsim.present.axes import Axis, best_row, held_words, slice_along, swept_axes
-from rigsim.present.chart import DEPTH, PANEL_HEIGHT, PANEL_WIDTH, RATIO_BOTTOM, SIDE, draw_chart
+from rigsim.present.chart import DEPTH, PANEL_WIDTH, RATIO_BOTTOM, SIDE, draw_chart, panel_height
 from rigsim.present.heatmap import draw_heat_map, heat_map_axes
+from rigsim.present.measured import was_measured
 from rigsim.study.result import SweepResult
+
+HEAT_HEIGHT = 4.35
+"""Height of a heat map with its labels, in."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +42,7 @@ def panels(result: SweepResult) -> list[Panel]:
         Panel(
             f"axis-{axis.column.replace('_', '-')}",
             f"Depth error against {axis.heading}",
-            slice_along(result, axis, axes).note,
+            _joined(slice_along(result, axis, axes).note, _noise_note(result, axis)),
             "axis",
             (axis,),
         )
@@ -59,7 +64,7 @@ def panels(result: SweepResult) -> list[Panel]:
 def panel_figure(result: SweepResult, panel: Panel) -> Figure:
     """One panel on its own page."""
     with style.styled():
-        figure = style.new_figure(PANEL_WIDTH, PANEL_HEIGHT)
+        figure = style.new_figure(PANEL_WIDTH, _height(result, panel))
         _draw_panel(figure, result, panel, 0.0, 0.0)
     return figure
 
@@ -74,25 +79,45 @@ def depth_error_figure(result: SweepResult) -> Figure:
         chosen += along[1:2]
     columns = min(len(chosen), 2) or 1
     lines = -(-len(chosen) // columns) or 1
+    height = max((_height(result, panel) for panel in chosen), default=HEAT_HEIGHT)
     with style.styled():
-        figure = style.new_figure(columns * PANEL_WIDTH, lines * PANEL_HEIGHT + 0.1)
+        figure = style.new_figure(columns * PANEL_WIDTH, lines * height + 0.1)
         for i, panel in enumerate(chosen):
             x = (i % columns) * PANEL_WIDTH
-            _draw_panel(figure, result, panel, x, (lines - 1 - i // columns) * PANEL_HEIGHT)
+            top = (lines - i // columns) * height
+            _draw_panel(figure, result, panel, x, top - _height(result, panel))
     return figure
+
+
+def _noise_note(result: SweepResult, axis: Axis) -> str:
+    """Where the measured marks stand along an axis of noise, which no picture knows."""
+    if axis.column != "noise_px" or not was_measured(result.rows):
+        return ""
+    return "diamonds stand at the noise they correspond to"
+
+
+def _joined(*notes: str) -> str:
+    return "; ".join(note for note in notes if note)
 
 
 def _draw_panel(figure: Figure, result: SweepResult, panel: Panel, x: float, y: float) -> None:
     """Draw a panel whose lower left corner stands at (x, y) inches."""
     if panel.kind == "heat":
-        frame = (x + 1.25, y + 0.62, 4.0, PANEL_HEIGHT - 1.05)
+        frame = (x + 1.25, y + 0.62, 4.0, HEAT_HEIGHT - 1.05)
         draw_heat_map(figure, frame, result, panel.axes[0], panel.axes[1], panel.title)
         _write_note(figure, panel.note, x + 6.12, y + 0.62, 13)
         return
     cut = slice_along(result, panel.axes[0], swept_axes(result))
-    table = result.by_depth if panel.kind == "depth" else result.rows
-    draw_chart(figure, x, y, panel.title, cut, table)
+    draw_chart(figure, x, y, panel.title, cut, _table(result, panel))
     _write_note(figure, panel.note, x + SIDE + 0.03, y + RATIO_BOTTOM, 22)
+
+
+def _table(result: SweepResult, panel: Panel) -> pd.DataFrame:
+    return result.by_depth if panel.kind == "depth" else result.rows
+
+
+def _height(result: SweepResult, panel: Panel) -> float:
+    return HEAT_HEIGHT if panel.kind == "heat" else panel_height(_table(result, panel))
 
 
 def _write_note(figure: Figure, note: str, x: float, y: float, columns: int) -> None:

@@ -14,8 +14,11 @@ from rigsim.present import curves, style, tables
 from rigsim.present.axes import Axis, best_row, swept_axes
 from rigsim.present.footprint import footprint
 from rigsim.present.format import count, length
+from rigsim.present.measured import equivalent_noise_words, method_words, was_measured
 from rigsim.present.pictures import encode
+from rigsim.present.rig_table import rig_table
 from rigsim.present.topdown import topdown_figure
+from rigsim.present.witness_table import witness_table
 from rigsim.study.result import SweepResult
 
 _PICTURE_WIDTH = 1100
@@ -63,7 +66,9 @@ def report_html(result: SweepResult, plan: Figure | None = None) -> str:
     return environment.get_template("report.html").render(
         title=_title(result, axes),
         result=result,
-        rig=tables.rig_table(result),
+        witnesses=witness_table(result),
+        equivalent_noise=equivalent_noise_words(best),
+        rig=rig_table(result),
         rig_words=_rig_words(result, axes),
         left=_data_uri(show.image_left),
         right=_data_uri(show.image_right),
@@ -76,7 +81,8 @@ def report_html(result: SweepResult, plan: Figure | None = None) -> str:
         by_depth=tables.best_by_depth(result),
         rows=tables.all_rows(result),
         n_flagged=int((result.rows["agreement"] != "agrees").sum()),
-        measured="measured_depth_rmse_mm" in result.rows,
+        measured=was_measured(result.rows),
+        method=method_words(best),
         scene=best["scene"],
         n_trials=count(best["n_trials"]),
         command=command,

@@ -22,8 +22,10 @@ from matplotlib.colors import Colormap, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
+from matplotlib.transforms import Transform
 
 from rigsim.present.format import plain
+from rigsim.rig.arrays import Array
 
 # Okabe and Ito's palette, https://jfly.uni-koeln.de/color/: told apart by the colour-blind
 BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
@@ -119,6 +121,21 @@ def legend(
         handletextpad=0.5,
         labelspacing=0.35,
         borderaxespad=0.0,
+    )
+
+
+def between(x: Array, y: Array) -> tuple[Array, Array]:
+    """The polyline through (x, y), bent as a power law where all is positive: the law between the rigs."""
+    if not len(x) or not ((x > 0).all() and (y > 0).all()) or np.ptp(x) == 0:
+        return x, y
+    fine = np.unique(np.concatenate([x, np.geomspace(x.min(), x.max(), 100)]))
+    return fine, np.exp(np.interp(np.log(fine), np.log(x), np.log(y)))
+
+
+def ring(axes: Axes, x: Array, y: Array, transform: Transform) -> None:
+    """Circles around flagged marks."""
+    axes.scatter(
+        x, y, s=120, facecolors="none", edgecolors=INK, linewidths=1.3, zorder=6, transform=transform
     )
 
 

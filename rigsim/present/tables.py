@@ -11,12 +11,21 @@ import pandas as pd
 
 from rigsim.present.axes import best_row, swept_axes
 from rigsim.present.columns import COLUMNS, Column
-from rigsim.present.footprint import footprint
-from rigsim.present.format import count, length, number, plain
+from rigsim.present.format import count, number
+from rigsim.present.measured import was_measured
 from rigsim.study.result import AXES, SweepResult
 
 MOST_ROWS = 200
 """Rows of the table of all rows; of more, the best ones are shown."""
+
+MEASURED: tuple[str, ...] = (
+    "measured_depth_rmse_mm",
+    "predicted_from_measured_rmse_mm",
+    "measured_over_predicted",
+    "measured_n",
+    "measured_outlier_fraction",
+)
+"""Columns of the third witness; left out where nothing was measured."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +35,7 @@ class Row:
     cells: tuple[str, ...]
     """Texts, one a column."""
     flagged: bool = False
-    """Whether prediction and simulation disagree here."""
+    """Whether the witnesses disagree here."""
     best: bool = False
     """Whether this is the best configuration."""
 
@@ -84,82 +93,6 @@ def best_by_depth(result: SweepResult) -> Table:
     return _table(columns, table, [False] * len(table))
 
 
-def rig_table(result: SweepResult) -> Table:
-    """Parameter, value, unit and meaning of the rig on show."""
-    show, row = result.showcase, result.rows.iloc[result.showcase.row]
-    rig, noise = show.rig, show.noise
-    nearest = footprint(rig).nearest
-    depth = show.points_left[show.visible, 2]
-    entries: list[tuple[str, str, str, str]] = [
-        ("Baseline", plain(rig.baseline_m * 1e3), "mm", "distance between the two camera centres"),
-        ("Image size", f"{rig.left.width} × {rig.left.height}", "px", "of each camera"),
-        ("Focal length", plain(rig.left.fx), "px", "of the left camera, along the image rows"),
-        (
-            "Field of view",
-            f"{plain(rig.left.hfov_deg, 3)} × {plain(rig.left.vfov_deg, 3)}",
-            "°",
-            "horizontal × vertical, across the full image",
-        ),
-        (
-            "Vergence",
-            plain(round(rig.vergence_deg, 6) + 0.0),
-            "°",
-            "angle between the two optical axes; 0 is parallel",
-        ),
-    ]
-    if rig.doffs_px:
-        entries.append(
-            (
-                "Principal offset",
-                plain(rig.doffs_px),
-                "px",
-                "right minus left principal point, along the rows",
-            )
-        )
-    entries += [
-        (
-            "Pixel noise",
-            plain(noise.std_px),
-            "px",
-            "standard deviation of each image coordinate that is measured",
-        ),
-        (
-            "Disparity noise",
-            number(noise.disparity_std_px),
-            "px",
-            "what that makes of the difference between left and right",
-        ),
-        ("Triangulator", str(row["triangulator"]), "", "how two image points become one point in space"),
-    ]
-    if nearest is not None:
-        value, unit = length(nearest[1]).split(" ")
-        entries.append(("Nearest overlap", value, unit, "closer than this, no point is seen by both cameras"))
-    if len(depth):
-        entries.append(
-            (
-                "Depth of the points",
-                f"{number(depth.min())} to {number(depth.max())}",
-                "m",
-                f"of the truth points that both cameras see, median {number(float(np.median(depth)))} m",
-            )
-        )
-        if rig.is_rectified:
-            middle = float(np.median(depth))
-            value, unit = length(middle**2 / (rig.left.fx * rig.baseline_m)).split(" ")
-            entries.append(
-                (
-                    "Depth of one pixel",
-                    value,
-                    unit,
-                    "depth that one pixel of disparity stands for at the median depth",
-                )
-            )
-    sample = f"{count(row['n_points'])} × {count(row['n_trials'])}"
-    entries.append(("Sample", sample, "", "truth points × noisy trials of each"))
-    headings = (("Parameter", ""), ("Value", ""), ("Unit", ""), ("Meaning", ""))
-    return Table(headings, (False, True, False, False), tuple(Row(entry) for entry in entries))
-
-
 @dataclass(frozen=True, slots=True)
 class _Shown:
     heading: str
@@ -176,8 +109,8 @@ def _of(column: Column) -> _Shown:
 def _error_columns(table: pd.DataFrame) -> list[_Shown]:
     """What says how good a configuration is; columns that are nil throughout are left out."""
     names = ["depth_rmse_mm", "interval", "predicted_depth_rmse_mm", "predicted_over_simulated"]
-    if "measured_depth_rmse_mm" in table:
-        names.append("measured_depth_rmse_mm")
+    if was_measured(table):
+        names += MEASURED
     names += ["depth_abs_p95_mm", "depth_bias_mm", "depth_rmse_pct", "nees", "visible_fraction"]
     names += [name for name in ("low_disparity_fraction", "failed_fraction") if (table[name] > 0).any()]
     return [_INTERVAL if name == "interval" else _of(COLUMNS[name]) for name in names]

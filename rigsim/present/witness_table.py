@@ -1,0 +1,61 @@
+"""The three witnesses of one configuration side by side, in words and numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rigsim.present.format import count, length_mm, number, plain, ratio
+from rigsim.present.measured import blamed, found_words, method_words
+from rigsim.present.tables import Row, Table
+from rigsim.study.result import SweepResult
+
+_NONE = "–"
+
+
+def witness_table(result: SweepResult) -> Table:
+    """What each witness of the rig on show stands for, its error, its ratio and whether it agrees."""
+    row: Mapping[Any, Any] = result.rows.iloc[result.showcase.row]
+    noise = f"{plain(row['noise_px'])} px, given"
+    seen = count(round(row["n_points"] * row["visible_fraction"]))
+    simulated_flagged, measured_flagged = blamed(row["agreement"])
+    said = {False: "✓ agrees", True: "⚠ " + row["agreement"]}
+    found = row["measured_n"] > 0
+    method = method_words(row)
+    equivalent = f"{number(row['measured_disparity_std_px'] / 2**0.5, 2)} px, found" if found else _NONE
+    lines = (
+        (
+            "What it is",
+            "closed formulas for what pixel noise does to depth; no picture",
+            "exact projections of points in the scene, disturbed by pixel noise and triangulated",
+            f"{method} found in both rendered pictures and triangulated; the truth is joined afterwards",
+        ),
+        ("Points", seen, f"{seen} × {count(row['n_trials'])} trials", found_words(row)),
+        ("Noise of a coordinate", noise, noise, equivalent),
+        (
+            "Depth error RMS",
+            length_mm(row["predicted_depth_rmse_mm"]),
+            length_mm(row["depth_rmse_mm"]),
+            length_mm(row["measured_depth_rmse_mm"]),
+        ),
+        (
+            "Predicted for it",
+            _NONE,
+            length_mm(row["predicted_depth_rmse_mm"]),
+            length_mm(row["predicted_from_measured_rmse_mm"]),
+        ),
+        (
+            "Ratio",
+            _NONE,
+            f"{ratio(row['predicted_over_simulated'])} predicted / simulated",
+            f"{ratio(row['measured_over_predicted'])} measured / predicted" if found else _NONE,
+        ),
+        (
+            "Verdict",
+            _NONE,
+            said[simulated_flagged],
+            said[measured_flagged] if found or measured_flagged else "nothing found",
+        ),
+    )
+    headings = (("", ""), ("Predicted", ""), ("Simulated", ""), ("Measured", ""))
+    return Table(headings, (False,) * 4, tuple(Row(line) for line in lines))
