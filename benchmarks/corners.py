@@ -195,7 +195,7 @@ def _render(k: int) -> tuple[list[Array], dict[tuple[str, int, int], Array]]:
     truth = {}
     with Simulator("boards") as simulator:
         simulator.place(StereoRig.rectified(fine, rig.baseline_m))
-        frame = simulator.render()
+        frame = simulator.render(1)  # the fine pixels as they are
         scene = simulator.scene
         for name, board in scene.boards.items():
             rows, cols, square = int(board["rows"]), int(board["cols"]), board["square_mm"] / 1e3

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import shlex
 import sys
@@ -15,12 +16,16 @@ import typer
 
 from rigsim.cli import quantity
 from rigsim.cli.rigs import RigOptions
+from rigsim.cli.sensors import Blur, FullWell, ReadNoise, SensorName, sensor_labels, sensors_from
 from rigsim.errors import InvalidRange
 
 MANY_RIGS = 1000
 """More rigs than this are run only with --yes."""
 
 INTERRUPTED = 130
+
+TYPICAL_NOISE_GREY = 2
+"""Image noise of an ordinary 8-bit camera in good light, grey levels."""
 
 
 def sweep(
@@ -48,6 +53,25 @@ def sweep(
     ] = None,
     points: Annotated[int, typer.Option(help="Truth points of each rig.")] = 2000,
     trials: Annotated[int, typer.Option(help="Noisy repetitions of each point.")] = 100,
+    measure: Annotated[
+        str,
+        typer.Option(
+            help="What to measure in the pictures: auto (corners where the scene has boards, else patches), "
+            "none, corners, patches or dense."
+        ),
+    ] = "auto",
+    sensor: SensorName = None,
+    blur: Blur = None,
+    image_noise: Annotated[
+        str | None,
+        typer.Option(
+            metavar="GREY",
+            help="White noise of the pictures, grey levels of 255; 0,1,2 for several. By default "
+            f"{TYPICAL_NOISE_GREY}, unless a sensor says otherwise.",
+        ),
+    ] = None,
+    full_well: FullWell = None,
+    read_noise: ReadNoise = None,
     triangulator: Annotated[
         str, typer.Option(help="optimal, rectified, dlt, midpoint, or package.module:function; commas.")
     ] = "optimal",
@@ -63,7 +87,7 @@ def sweep(
     force: Annotated[bool, typer.Option("--force", help="Replace a report that is there.")] = False,
     yes: Annotated[bool, typer.Option("--yes", help=f"Run more than {MANY_RIGS} rigs.")] = False,
 ) -> None:
-    """Sweep rigs through a scene: predicted and simulated depth error side by side, with a report.
+    """Sweep rigs through a scene: predicted, simulated and measured depth error side by side, in a report.
 
     Axes multiply. Lengths are in mm unless mm, cm or m is written.
     """
@@ -75,6 +99,11 @@ def sweep(
         range_m = (near_mm / 1e3, far_mm / 1e3)
     options = RigOptions(rig, preset, baseline, focal, hfov, sensor_width, pixel_pitch, resolution, vergence)
     grid = options.grid(scene)
+    if image_noise is None and sensor is None and full_well is None and not _has_sensor(rig):
+        image_noise = str(TYPICAL_NOISE_GREY)
+    sensors = sensors_from(
+        sensor, rig, blur=blur, image_noise=image_noise, full_well=full_well, read_noise=read_noise
+    )
     if len(grid) > MANY_RIGS and not yes:
         raise InvalidRange(
             f"{len(grid):,} rigs: more than {MANY_RIGS:,}; add --yes to run them all, or take fewer values"
@@ -89,6 +118,18 @@ def sweep(
     from rigsim.study.plan import Plan
     from rigsim.study.sweep import sweep as run
 
+    if renderer == "auto":
+        from rigsim.sim import backend
+
+        renderer = backend.choose()
+        if renderer == "rays":
+            typer.echo(
+                "no GL library works here: using rays (`rigsim doctor` says what to install)", err=True
+            )
+    if measure == "auto" and importlib.util.find_spec("cv2") is None:
+        measure = "none"
+        typer.echo("OpenCV is not installed: nothing is measured (pip install 'rigsim[vision]')", err=True)
+
     plan = Plan(
         scene=scene,
         mount=mount,
@@ -100,6 +141,8 @@ def sweep(
         seed=seed,
         renderer=renderer,
         supersample=supersample,
+        measure=measure,
+        sensors=dict(zip(sensor_labels(sensors, sensor), sensors, strict=True)),
         extra={"command": shlex.join(["rigsim", *sys.argv[1:]])},
     )
     with _progress(len(grid)) as progress:
@@ -112,6 +155,14 @@ def sweep(
     present.print_sweep(result, target)
     if not result.complete:
         raise typer.Exit(INTERRUPTED)
+
+
+def _has_sensor(rig: Path | None) -> bool:
+    if rig is None or rig.suffix == ".txt":
+        return False
+    from rigsim.interop.rig_toml import read_sensor
+
+    return read_sensor(rig) is not None
 
 
 def _methods(text: str) -> tuple[str, ...]:

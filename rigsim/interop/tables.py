@@ -39,7 +39,9 @@ def sweep_files(result: SweepResult) -> dict[str, bytes]:
     return {
         "sweep.csv": csv_bytes(result.rows),
         "sweep_by_depth.csv": csv_bytes(result.by_depth),
-        "rig.toml": write_rig(result.showcase.rig, comment="best rig of the sweep").encode(),
+        "rig.toml": write_rig(
+            result.showcase.rig, comment="best rig of the sweep", sensor=result.showcase.sensor
+        ).encode(),
         "provenance.json": json_bytes(result.provenance),
     }
 

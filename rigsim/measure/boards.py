@@ -26,6 +26,7 @@ from rigsim.measure.opencv import load_cv2
 from rigsim.rig.arrays import Array, Mask
 
 _MIN_SHARE = 0.5  # of a board's corners must be fitted, or it is taken for a false alarm
+_LEAST_CONTRAST = 1e-6  # grey; keeps the logarithm finite where a fit found nothing
 _MAX_LOG_CONTRAST = 0.5
 _MAX_MISFIT = 2.0  # over the board's median
 _MAX_MOVE = 0.7  # px, from where the grid was seen
@@ -158,7 +159,7 @@ def _alike(corners: Corners, parameters: Array, grid: Array) -> Mask:
     good = corners.valid
     if not good.any():
         return good
-    contrast = np.abs(parameters[:, saddle.CONTRAST])
+    contrast = np.maximum(np.abs(parameters[:, saddle.CONTRAST]), _LEAST_CONTRAST)
     usual = np.median(contrast[good])
     misfit = np.nan_to_num(corners.grey_std / contrast, nan=np.inf)
     move = np.nan_to_num(np.linalg.norm(corners.uv - grid.reshape(-1, 2), axis=1), nan=np.inf)

@@ -11,7 +11,6 @@ from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
-from scipy.ndimage import map_coordinates, spline_filter
 
 from rigsim.errors import InvalidImage, InvalidRig
 from rigsim.measure.images import AnyImage
@@ -127,6 +126,8 @@ def _undistorted_grid(intrinsics: Intrinsics) -> tuple[Array, Array]:
 
 
 def _mean_of_spline(channel: Array, positions: list[Array]) -> Array:
+    from scipy.ndimage import map_coordinates, spline_filter  # heavy, and not always needed
+
     coefficients = spline_filter(channel, order=3, mode="mirror")
     total = np.zeros(positions[0].shape[:-1])
     for uv in positions:

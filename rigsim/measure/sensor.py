@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.ndimage import gaussian_filter
 
 from rigsim.errors import InvalidImage, InvalidRig
 from rigsim.measure.distort import distort_image
@@ -155,6 +154,8 @@ def optics(
             "distortion: give both the wide camera that was rendered and the camera that is wanted"
         )
     if sensor.blur_px:
+        from scipy.ndimage import gaussian_filter  # heavy, and a sensor is often only described
+
         light = gaussian_filter(light, sensor.blur_px * supersample, mode="nearest", axes=(0, 1))
     if wide is not None and camera is not None:
         light = distort_image(light, wide, camera)

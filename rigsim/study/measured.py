@@ -35,7 +35,7 @@ _DENSE_STRIDE = 4
 _THREE_SIGMA = {1: 9.0, 4: 16.25}
 _WITHIN = 0.9
 _ENOUGH = 30
-_RATIO = (0.5, 1.5)
+_RATIO = (0.25, 1.5)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -93,6 +93,7 @@ def judge(
     sentences = [
         *_far_end(row, by_depth),
         *_trend(rows, swept, best),
+        *_measured(row),
         _agreement(rows, flagged),
         *_coverage(rows, swept),
         *_low_disparity(row),
@@ -164,21 +165,32 @@ def _trend(rows: pd.DataFrame, swept: tuple[str, ...], best: int) -> list[str]:
 
 
 def _agreement(rows: pd.DataFrame, flagged: pd.Series) -> str:
+    measured = bool((rows["measured_n"] > 0).any())
+    who = "Prediction, simulation and measurement" if measured else "Prediction and simulation"
     ratio = rows["predicted_over_simulated"].dropna()
-    span = f"predicted over simulated {ratio.min():.3f} to {ratio.max():.3f}" if len(ratio) else ""
+    ends = dict.fromkeys(f"{end:.3f}" for end in (ratio.min(), ratio.max())) if len(ratio) else {}
+    span = f"predicted over simulated {' to '.join(ends)}" if ends else ""
     if not flagged.any():
-        if len(rows) == 1:
-            return (
-                f"Prediction and simulation agree within their confidence interval ({span})."
-                if span
-                else ("Prediction and simulation agree.")
-            )
-        return f"Prediction and simulation agree in all {len(rows)} rows" + (f" ({span})." if span else ".")
+        where = "" if len(rows) == 1 else f" in all {len(rows)} rows"
+        return f"{who} agree{where}" + (f" ({span})." if span else ".")
     reasons = rows.loc[flagged, "agreement"].str.removeprefix("flagged: ").value_counts()
     return (
         f"{int(flagged.sum())} of {len(rows)} {'rows is' if flagged.sum() == 1 else 'rows are'} flagged: "
         f"{reasons.index[0]}" + (" and others." if len(reasons) > 1 else ".")
     )
+
+
+def _measured(row: pd.Series) -> list[str]:
+    """The third witness, and the noise level it stands for."""
+    if not row["measured_n"] > 0:
+        return []
+    noise_px = row["measured_disparity_std_px"] / 2**0.5
+    return [
+        f"Measured in the pictures ({int(row['measured_n'])} {row['measured_method']}, sensor "
+        f"`{row['sensor']}`): {_mm(row['measured_depth_rmse_mm'])} RMS depth error, where the accuracy they "
+        f"claim predicts {_mm(row['predicted_from_measured_rmse_mm'])}; their disparity noise of "
+        f"{row['measured_disparity_std_px']:.2g} px corresponds to `--noise {noise_px:.2g}`."
+    ]
 
 
 def _coverage(rows: pd.DataFrame, swept: tuple[str, ...]) -> list[str]:
