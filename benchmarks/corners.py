@@ -180,6 +180,7 @@ def _derivatives(parameters: Array, x: Array, y: Array) -> Array:
 def _render(k: int) -> tuple[list[Array], dict[tuple[str, int, int], Array]]:
     """Left and right picture (k H, k W) in linear light, and each board's corners (N, 2 sides, 2) px."""
     import mujoco
+
     from rigsim.sim.simulator import Simulator
 
     rig = preset("boards").rig

@@ -15,7 +15,7 @@ from rigsim.cli.app import run
 from rigsim.study.result import DEPTH_COLUMNS, ROW_COLUMNS
 from tests.scenes import SLANTED, write
 
-SMALL = ["--points", "200", "--trials", "5", "--resolution", "160x120"]
+SMALL = ["--points", "200", "--trials", "5", "--resolution", "160x120", "--measure", "none"]
 FILES = {
     "report.html",
     "sweep.csv",
@@ -99,8 +99,8 @@ def test_the_written_rig_and_command_repeat_the_numbers(swept, tmp_path: Path):
     assert provenance["seed"] == 0
     assert provenance["command"].startswith("rigsim sweep --baseline 60,120")
     done = rigsim(
-        "sweep", "--rig", out / "rig.toml", "--noise", 0.1, "--points", 200, "--trials", 5, "--out", "again",
-        cwd=tmp_path,
+        "sweep", "--rig", out / "rig.toml", "--noise", 0.1, "--points", 200, "--trials", 5,
+        "--measure", "none", "--out", "again", cwd=tmp_path,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     again = pd.read_csv(tmp_path / "again" / "sweep.csv").iloc[0]
@@ -229,7 +229,8 @@ def test_interrupt_keeps_what_is_done(tmp_path: Path, jobs: int):
     )
     done = rigsim(
         "sweep", "--baseline", "50:500/40", "--renderer", "rays", "--resolution", "160x120", "--points", 100,
-        "--trials", 1, "--triangulator", "mine:f", "--jobs", jobs, "--out", "out", cwd=tmp_path,
+        "--trials", 1, "--measure", "none", "--triangulator", "mine:f", "--jobs", jobs,
+        "--out", "out", cwd=tmp_path,
     )  # fmt: skip
     assert done.returncode == 130, done.stderr
     rows = pd.read_csv(tmp_path / "out" / "sweep.csv")

@@ -26,7 +26,7 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 def plan(scene: str, **changes: object) -> Plan:
-    defaults = {"scene": scene, "renderer": "rays", "n_points": 300, "n_trials": 60}
+    defaults = {"scene": scene, "renderer": "rays", "n_points": 300, "n_trials": 60, "measure": "none"}
     return Plan(**(defaults | changes))
 
 

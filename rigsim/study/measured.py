@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from rigsim.errors import MeasurementFailed
+from rigsim.errors import InvalidImage, MeasurementFailed
 from rigsim.measure.dense import dense_disparity
 from rigsim.measure.pairing import match_sizes
 from rigsim.measure.patches import match_patches
@@ -35,6 +35,7 @@ _DENSE_STRIDE = 4
 _THREE_SIGMA = {1: 9.0, 4: 16.25}
 _WITHIN = 0.9
 _ENOUGH = 30
+_ASTRAY = 0.2
 _RATIO = (0.25, 1.5)
 
 
@@ -78,7 +79,7 @@ def measure(method: str, simulator: Simulator, rig: StereoRig, pictures: Picture
         if method == "patches":
             return _patches(simulator, rig, pictures)
         return _dense(simulator, rig, pictures)
-    except MeasurementFailed as error:
+    except (MeasurementFailed, InvalidImage) as error:
         empty = np.empty((0, 4))
         return Measured(
             method,
@@ -241,7 +242,9 @@ def measured_agreement(row: Row, why: str) -> str:
     """Whether the measurement is as good as it says it is: "agrees", or "flagged: ..."."""
     if row["measured_method"] == "none":
         return "agrees"
-    n = int(row["measured_n"])
+    n, astray = int(row["measured_n"]), float(row["measured_outlier_fraction"])
+    if astray > _ASTRAY:
+        return f"flagged: {astray * 100:.2g} % of what was measured is not what both cameras see"
     if n == 0:
         return f"flagged: nothing was measured ({why or 'no match of what both cameras see'})"
     if n < _ENOUGH:
