@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import dataclasses
 import io
 import subprocess
 import sys
@@ -11,7 +12,7 @@ from rich.console import Console
 from test_present_synthetic import make_result
 
 from rigsim.present.console import make_console, print_sweep, print_table
-from rigsim.study.result import SweepResult
+from rigsim.study.result import SweepResult, Verdict
 
 WIDTH = 80
 
@@ -74,6 +75,32 @@ def test_what_the_best_rows_share_is_said_once() -> None:
     five = make_result((100, 150, 200, 250, 300, 350), (0.1, 0.5), n_points=60)
     title = next(line for line in printed(five).splitlines() if line.startswith("Best"))
     assert title == "Best 5 of 12, with pixel noise 0.1 px"
+
+
+def test_the_measured_columns_come_before_the_less_important_ones() -> None:
+    result = make_result(n_points=300, method="corners")
+    lines = printed(result).splitlines()
+    head = next(i for i, line in enumerate(lines) if line.startswith("Best 5 of 10"))
+    assert max(map(len, lines)) <= WIDTH
+    assert lines[head + 1].split() == ["baseline", "simulated", "predicted", "measured", "measured/"]
+    best = result.rows.iloc[result.best[0]]
+    cells = lines[head + 4].split()
+    assert float(cells[4]) == pytest.approx(best["measured_depth_rmse_mm"], rel=6e-3)
+    assert float(cells[5]) == pytest.approx(best["measured_over_predicted"], abs=6e-4)
+    assert "What was measured in the pictures (board corners) corresponds to --noise 0.0052." in lines
+    narrow = printed(result, 50).splitlines()
+    assert any("measured" in line for line in narrow)
+    assert not any("limited by" in line for line in narrow)
+
+
+def test_the_corresponding_noise_is_said_once() -> None:
+    result = make_result((100, 200), n_points=300, method="corners")
+    verdict = Verdict("Fine.", ("Their noise corresponds to `--noise 0.0052`.",), True)
+    assert printed(dataclasses.replace(result, verdict=verdict)).count("--noise") == 1
+
+
+def test_without_a_measurement_no_column_speaks_of_one() -> None:
+    assert "measured" not in printed(make_result(n_points=60), 200)
 
 
 def test_flagged_rows_are_named_with_their_reason_and_the_rest_are_counted() -> None:

@@ -10,12 +10,15 @@ import pytest
 from PIL import Image as PillowImage
 from test_present_synthetic import make_result
 
+from rigsim.measure.sensor import Sensor
 from rigsim.present import format as fmt
 from rigsim.present.files import sweep_files
 from rigsim.present.report import report_html
-from rigsim.present.rig_table import rig_table
+from rigsim.present.rig_table import rig_table, sensor_entries
 from rigsim.present.tables import MOST_ROWS, all_rows, best_by_depth
-from rigsim.study.result import SweepResult, Verdict
+from rigsim.present.witness_table import witness_table
+from rigsim.rig.distortion import BrownConrady
+from rigsim.study.result import MEASURED_COLUMNS, SweepResult, Verdict
 
 VOID = {"meta", "img", "br", "hr", "link", "input"}
 SECTIONS = ["verdict", "rig", "pair", "plan", "curves", "by-depth", "rows", "reading", "again"]
@@ -164,6 +167,117 @@ def test_the_rig_is_told_in_its_parameters(result: SweepResult) -> None:
     assert "Depth of one pixel" not in verged
 
 
+@pytest.fixture(scope="module")
+def measured() -> SweepResult:
+    return make_result(n_points=600, method="corners")
+
+
+def test_the_three_witnesses_stand_side_by_side_after_the_verdict(measured: SweepResult) -> None:
+    page = Page(report_html(measured))
+    ids = [name for name in page.ids if name in (*SECTIONS, "witnesses")]
+    assert ids[:3] == ["verdict", "witnesses", "rig"]
+    best = measured.rows.iloc[measured.best[0]]
+    cells = {row[0]: row[1:] for row in page.rows["witnesses"] if row}
+    assert cells["Depth error RMS"] == [
+        fmt.length_mm(best["predicted_depth_rmse_mm"]),
+        fmt.length_mm(best["depth_rmse_mm"]),
+        fmt.length_mm(best["measured_depth_rmse_mm"]),
+    ]
+    assert cells["Its prediction"][2] == fmt.length_mm(best["predicted_from_measured_rmse_mm"])
+    assert cells["Ratio"][2].startswith(fmt.ratio(best["measured_over_predicted"]))
+    assert cells["Pixel noise"] == ["0.25 px, given", "0.25 px, given", "0.0052 px, found"]
+    assert cells["Points"][2] == f"{best['measured_n']}, 1.2 % outliers"
+    assert cells["Verdict"] == ["–", "✓ agrees", "✓ agrees"]
+    assert "Three witnesses agree" in page.text
+    assert "corresponds to --noise 0.0052." in page.text
+
+
+def test_the_measured_columns_have_a_heading_of_their_own_and_show_the_frame(measured: SweepResult) -> None:
+    for table, rows in (
+        (all_rows(measured), measured.rows),
+        (best_by_depth(measured), measured.by_depth[measured.by_depth["baseline_mm"] == 500]),
+    ):
+        assert sum(span for _, span in table.groups) == len(table.headings)
+        heading, span = next(group for group in table.groups if "measured" in group[0])
+        start = sum(n for _, n in table.groups[: table.groups.index((heading, span))])
+        assert [head for head, _ in table.headings[start : start + span]] == [
+            "RMS",
+            "predicted",
+            "ratio",
+            "points",
+            "outliers",
+        ]
+        for row, (_, record) in zip(table.rows, rows.iterrows(), strict=True):
+            assert row.cells[start : start + span] == (
+                fmt.number(record["measured_depth_rmse_mm"]),
+                fmt.number(record["predicted_from_measured_rmse_mm"]),
+                fmt.ratio(record["measured_over_predicted"]),
+                fmt.count(record["measured_n"]),
+                fmt.percent(record["measured_outlier_fraction"]),
+            )
+
+
+def test_without_a_measurement_nothing_speaks_of_one(page: Page, result: SweepResult) -> None:
+    assert "witnesses" not in page.ids
+    assert "Equivalent noise" not in page.text
+    for table in (all_rows(result), best_by_depth(result)):
+        assert table.groups == ()
+        assert not any("measured" in heading for heading, _ in table.headings)
+
+
+def test_a_flagged_measurement_is_named_beside_its_witness() -> None:
+    result = make_result((100,), n_points=400, method="patches", measured_flagged=(0,))
+    page = Page(report_html(result))
+    verdict = next(row for row in page.rows["witnesses"] if row and row[0] == "Verdict")
+    assert verdict[2] == "✓ agrees"
+    assert verdict[3] == "⚠ flagged: measured error 1.8 times what its own accuracy predicts"
+    assert "Three witnesses agree" not in page.text
+
+
+def test_where_the_best_rig_found_nothing_its_witness_says_so(measured: SweepResult) -> None:
+    rows = measured.rows.copy()
+    best = measured.best[0]
+    rows.loc[best, "measured_n"] = 0
+    names = [name for name in MEASURED_COLUMNS if name not in ("measured_method", "measured_n")]
+    rows.loc[best, names] = np.nan
+    table = witness_table(dataclasses.replace(measured, rows=rows))
+    cells = {row.cells[0]: row.cells[3] for row in table.rows}
+    assert (cells["Points"], cells["Pixel noise"], cells["Depth error RMS"]) == ("none found", "–", "–")
+    assert (cells["Ratio"], cells["Verdict"]) == ("–", "nothing found")
+    Page(report_html(dataclasses.replace(measured, rows=rows)))
+
+
+def test_the_sensor_is_told_in_its_numbers(result: SweepResult) -> None:
+    assert [entry[:3] for entry in sensor_entries(Sensor(), "ideal")] == [
+        ("Sensor", "ideal pinhole, 8 bit", "")
+    ]
+    real = Sensor(
+        blur_px=0.5,
+        distortion=BrownConrady(k1=-0.1, p1=0.001),
+        full_well_e=10500,
+        read_noise_e=2.4,
+        grey_noise=1.5,
+        gain=2,
+        bits=10,
+        right_gain=1.03,
+        right_offset=-0.01,
+        vignetting=0.2,
+    )
+    told = {name: (value, unit) for name, value, unit, _ in sensor_entries(real, "imx219")}
+    assert told == {
+        "Sensor": ("imx219, 10 bit", ""),
+        "Lens blur": ("0.5", "px"),
+        "Lens distortion": ("k1 −0.1, p1 0.001", ""),
+        "Full well": ("10\u202f500", "e⁻"),
+        "Read noise": ("2.4", "e⁻"),
+        "Gain": ("2", "×"),
+        "Image noise": ("1.5", "grey"),
+        "Vignetting": ("20.0", "%"),
+        "Right picture": ("× 1.03 − 1 %", ""),
+    }
+    assert "ideal pinhole, 8 bit" in [row.cells[1] for row in rig_table(result).rows]
+
+
 def test_of_many_rows_the_best_are_shown_and_it_is_said() -> None:
     many = make_result(np.linspace(50, 500, 70).tolist(), (0.1, 0.25, 0.5), n_points=20)
     table = all_rows(many)
@@ -231,6 +345,14 @@ def test_sweep_files_are_all_there_valid_and_small(result: SweepResult) -> None:
         np.testing.assert_array_equal(np.asarray(left), result.showcase.image_left)
     with PillowImage.open(io.BytesIO(files["right.png"])) as right:
         np.testing.assert_array_equal(np.asarray(right), result.showcase.image_right)
+
+
+def test_the_witnesses_have_a_picture_once_there_are_three() -> None:
+    files = sweep_files(make_result((100, 200), n_points=300, method="corners"))
+    assert list(files)[-1] == "witnesses.png"
+    with PillowImage.open(io.BytesIO(files["witnesses.png"])) as picture:
+        picture.load()
+        assert picture.width > picture.height > 300
 
 
 def test_the_report_stays_small_however_loud_the_pictures() -> None:

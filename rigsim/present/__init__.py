@@ -21,7 +21,8 @@ __all__ = ["plot_points", "print_sweep", "print_table", "render_files", "sweep_f
 
 
 def sweep_files(result: SweepResult) -> dict[str, bytes]:
-    """Name to content: report.html, topdown.png, depth_error.png, left.png and right.png."""
+    """Name to content: report.html, topdown.png, depth_error.png, left.png, right.png; witnesses.png too
+    when something was measured."""
     from rigsim.present import files
 
     return files.sweep_files(result)

@@ -18,7 +18,7 @@ from rigsim.present import style, third
 from rigsim.present.axes import Axis, Slice
 from rigsim.present.format import plain
 from rigsim.present.measured import blamed, was_measured
-from rigsim.present.strips import mark_beyond, scale_strip
+from rigsim.present.strips import mark_beyond, scale_strip, within
 from rigsim.rig.arrays import Array
 
 PANEL_WIDTH = style.PAGE_WIDTH_IN
@@ -53,7 +53,7 @@ def draw_chart(figure: Figure, x: float, y: float, title: str, cut: Slice, table
         style.place(figure, x + _LEFT, y + RATIO_BOTTOM + i * _RATIO_STEP, _WIDTH, _RATIO_HEIGHT)
         for i in reversed(range(n_strips))
     ]
-    parts = [(value, _drawn(part)) for value, part in cut.parts(table)]
+    parts = [(value, drawn(part)) for value, part in cut.parts(table)]
     parts = [(value, part) for value, part in parts if len(part)]
     axes.set_title(title, pad=8)
     axes.set_ylabel("depth error RMS, mm")
@@ -64,7 +64,7 @@ def draw_chart(figure: Figure, x: float, y: float, title: str, cut: Slice, table
     if not parts:
         axes.text(0.5, 0.5, "no depth error to draw", transform=axes.transAxes, ha="center")
         return
-    found = third.measured_series(cut, parts, lambda part: _positions(cut.x, part)) if n_strips > 1 else []
+    found = third.measured_series(cut, parts, lambda part: along(cut.x, part)) if n_strips > 1 else []
     _scale_main(axes, strips, cut.x, [part for _, part in parts], found)
     scale_strip(strips[0], *_ratios(pd.concat([part for _, part in parts])))
     dodges = [4.0 * (i - (len(parts) - 1) / 2) for i in range(len(parts))]
@@ -77,13 +77,12 @@ def draw_chart(figure: Figure, x: float, y: float, title: str, cut: Slice, table
         aside = _aside(strips[1], 0.0 if series.line is None else dodges[series.line])
         curve = cut.x.numeric and cut.x.column != "noise_px"
         third.draw_series(axes, strips[1], series, curve, aside)
-        mark_beyond(strips[1], series.x, series.ratio, third.color_of(series), aside)
     if cut.x is DEPTH:
         _draw_square_law(axes, parts[-1][1])
     _draw_legends(figure, cut, parts, found, x + SIDE, bottom + _MAIN_HEIGHT)
 
 
-def _drawn(part: pd.DataFrame) -> pd.DataFrame:
+def drawn(part: pd.DataFrame) -> pd.DataFrame:
     """The rows that a chart has something to show of; simulated errors that are none are taken out."""
     simulated = part["depth_rmse_mm"].between(_NO_ERROR_MM, np.inf, inclusive="neither")
     names = ["depth_rmse_mm", *_UP, "predicted_over_simulated"]
@@ -96,7 +95,7 @@ def _numbers(table: pd.DataFrame, name: str) -> Array:
     return np.asarray(table[name], dtype=np.float64)
 
 
-def _positions(axis: Axis, part: pd.DataFrame) -> Array:
+def along(axis: Axis, part: pd.DataFrame) -> Array:
     """Where rows stand along the page: their value, in m for depth, or the place of their name."""
     if axis is DEPTH:
         middle = np.sqrt(_numbers(part, "depth_near_mm") * _numbers(part, "depth_far_mm"))
@@ -111,12 +110,24 @@ def _scale_main(
     axes: Axes, strips: list[Axes], axis: Axis, parts: list[pd.DataFrame], found: list[third.Series]
 ) -> None:
     every = pd.concat(parts)
-    x = np.concatenate([_positions(axis, every), *(series.x for series in found)])
+    x = np.concatenate([along(axis, every), *(series.x for series in found)])
+    at_values = not (axis.column == "noise_px" and found)
+    scale_x([axes, *strips], axis, x, own=at_values)
     y = np.concatenate(
         [_numbers(every, name) for name in _UP]
         + [values for series in found for values in (series.measured_mm, series.predicted_mm)]
     )
     y = y[np.isfinite(y) & (y > 0)]
+    for each in (axes, *strips[:-1]):
+        each.tick_params(labelbottom=False)
+    if style.scale_of(y, 4) == "log":
+        style.plain_axis(axes, "y", *_padded_log(y), "log")
+    else:
+        style.plain_axis(axes, "y", 0.0, 1.15 * float(y.max()), "linear")
+
+
+def scale_x(every: list[Axes], axis: Axis, x: Array, *, own: bool) -> None:
+    """Scale, limits and ticks along the page for places `x`; `own` ticks few values where they stand."""
     scale: style.Scale = "linear"
     if not axis.numeric:
         low, high = -0.5, len(axis.values) - 0.5
@@ -125,22 +136,14 @@ def _scale_main(
     else:
         pad = 0.06 * float(np.ptp(x)) or 0.5 * abs(float(x[0])) or 1.0
         low, high = float(x.min()) - pad, float(x.max()) + pad
-    own_places = not axis.numeric or axis.heading == "resolution" or len(axis.values) <= 4
-    if axis is DEPTH or (axis.column == "noise_px" and found):
-        own_places = False
-    for each in (axes, *strips):
+    few = not axis.numeric or axis.heading == "resolution" or len(axis.values) <= 4
+    for each in every:
         style.plain_axis(each, "x", low, high, scale)
-        if own_places:
+        if few and own and axis is not DEPTH:
             places = axis.values if axis.numeric else range(len(axis.values))
             each.xaxis.set_major_locator(FixedLocator([float(place) for place in places]))
             labels = dict(zip([float(place) for place in places], map(axis.show, axis.values), strict=True))
             each.xaxis.set_major_formatter(FuncFormatter(lambda value, _, said=labels: said.get(value, "")))
-    for each in (axes, *strips[:-1]):
-        each.tick_params(labelbottom=False)
-    if style.scale_of(y, 4) == "log":
-        style.plain_axis(axes, "y", *_padded_log(y), "log")
-    else:
-        style.plain_axis(axes, "y", 0.0, 1.15 * float(y.max()), "linear")
 
 
 def _ratios(part: pd.DataFrame) -> tuple[Array, Array, Array]:
@@ -166,7 +169,7 @@ def _aside(strip: Axes, dodge_pt: float) -> Transform:
 def _draw_line(
     axes: Axes, strip: Axes, axis: Axis, part: pd.DataFrame, color: str, marker: str, dodge_pt: float
 ) -> None:
-    x = _positions(axis, part)
+    x = along(axis, part)
     simulated = _numbers(part, "depth_rmse_mm")
     predicted = _numbers(part, "predicted_depth_rmse_mm")
     ci_low = _numbers(part, "depth_rmse_ci_low_mm")
@@ -179,8 +182,9 @@ def _draw_line(
     _whiskers(axes, x, simulated, ci_low, ci_high, color, marker, axes.transData)
     aside = _aside(strip, dodge_pt)
     ratio, ratio_low, ratio_high = _ratios(part)
-    _whiskers(strip, x, ratio, ratio_low, ratio_high, color, marker, aside)
     mark_beyond(strip, x, ratio, color, aside)
+    ratio = within(strip, ratio)
+    _whiskers(strip, x, ratio, ratio_low, ratio_high, color, marker, aside)
     flagged = np.array([blamed(reason)[0] for reason in part["agreement"]], dtype=bool)
     style.ring(axes, x[flagged], simulated[flagged], axes.transData)
     style.ring(strip, x[flagged], ratio[flagged], aside)
@@ -210,7 +214,7 @@ def _whiskers(
 def _draw_square_law(axes: Axes, part: pd.DataFrame) -> None:
     """A dotted line that grows with the square of the depth, a little below the last curve."""
     part = part[part["depth_rmse_mm"].notna()]
-    x = _positions(DEPTH, part)
+    x = along(DEPTH, part)
     if len(x) < 2 or x.max() / x.min() < 1.5:
         return
     low, high = axes.get_ylim()

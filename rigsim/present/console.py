@@ -121,7 +121,7 @@ def print_sweep(result: SweepResult, folder: Path | None = None, *, console: Con
         console=console,
     )
     noise = equivalent_noise_words(rows.iloc[places[0]])
-    if noise:
+    if noise and not any("--noise" in sentence for sentence in result.verdict.sentences):
         _paragraph(console, noise)
         console.print()
     _print_flags(result, console, axes)

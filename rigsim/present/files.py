@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy.typing as npt
 
 from rigsim.present import curves, report, style
+from rigsim.present.measured import was_measured
 from rigsim.present.pictures import anaglyph, disparity_picture, encode, picture_limits, with_scale
 from rigsim.present.topdown import topdown_figure
+from rigsim.present.witnesses import witnesses_figure
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.result import SweepResult
@@ -14,15 +16,19 @@ from rigsim.study.snapshot import Snapshot
 
 
 def sweep_files(result: SweepResult) -> dict[str, bytes]:
-    """Name to content: report.html, topdown.png, depth_error.png, left.png and right.png."""
+    """Name to content: report.html, topdown.png, depth_error.png, left.png, right.png; witnesses.png too
+    when something was measured."""
     plan = report.showcase_figure(result)
-    return {
+    files = {
         "report.html": report.report_html(result, plan).encode("utf-8"),
         "topdown.png": style.to_png(plan),
         "depth_error.png": style.to_png(curves.depth_error_figure(result), dpi=110),
         "left.png": encode(result.showcase.image_left),
         "right.png": encode(result.showcase.image_right),
     }
+    if was_measured(result.rows):
+        files["witnesses.png"] = style.to_png(witnesses_figure(result), dpi=130)
+    return files
 
 
 def render_files(snapshot: Snapshot) -> dict[str, bytes]:

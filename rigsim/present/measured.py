@@ -47,7 +47,7 @@ def equivalent_noise_words(row: Mapping[Any, Any]) -> str:
     value = noise_value(row)
     if not value:
         return ""
-    return f"Pixels measured by {method_words(row)} are as accurate as `--noise {value}`."
+    return f"What was measured in the pictures ({method_words(row)}) corresponds to `--noise {value}`."
 
 
 def found_words(row: Mapping[Any, Any]) -> str:

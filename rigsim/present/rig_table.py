@@ -53,7 +53,7 @@ def rig_table(result: SweepResult) -> Table:
             "Pixel noise",
             plain(noise.std_px),
             "px",
-            "standard deviation of each image coordinate that is measured",
+            "standard deviation of each simulated image coordinate",
         ),
         (
             "Disparity noise",
@@ -88,18 +88,18 @@ def rig_table(result: SweepResult) -> Table:
             )
     sample = f"{count(row['n_points'])} × {count(row['n_trials'])}"
     entries.append(("Sample", sample, "", "truth points × noisy trials of each"))
-    entries += sensor_entries(show.sensor)
+    entries += sensor_entries(show.sensor, str(row["sensor"]))
     headings = (("Parameter", ""), ("Value", ""), ("Unit", ""), ("Meaning", ""))
     return Table(headings, (False, True, False, False), tuple(Row(entry) for entry in entries))
 
 
-def sensor_entries(sensor: Sensor) -> list[Entry]:
-    """What lens and sensor do to the pictures; numbers that do nothing are left out."""
+def sensor_entries(sensor: Sensor, name: str) -> list[Entry]:
+    """What lens and sensor of a name do to the pictures; numbers that do nothing are left out."""
     depth = f"{sensor.bits} bit" if sensor.bits else "not rounded"
     what = "lens and sensor that the pictures were taken with"
     if sensor == Sensor(bits=sensor.bits):
         return [("Sensor", f"ideal pinhole, {depth}", "", what)]
-    entries: list[Entry] = [("Sensor", depth, "", what)]
+    entries: list[Entry] = [("Sensor", f"{name}, {depth}", "", what)]
     if sensor.blur_px:
         entries.append(
             (

@@ -44,6 +44,12 @@ def scale_strip(axes: Axes, ratios: Array, low: Array, high: Array) -> None:
     axes.axhline(1, color="#555555", linewidth=0.9)
 
 
+def within(axes: Axes, ratios: Array) -> Array:
+    """The ratios that lie in the strip; NaN in place of those that `mark_beyond` stands in for."""
+    low, high = axes.get_ylim()
+    return np.asarray(np.where((ratios >= low) & (ratios <= high), ratios, np.nan))
+
+
 def mark_beyond(axes: Axes, x: Array, ratios: Array, color: str, transform: Transform) -> None:
     """An arrow at the strip's edge and the number for every ratio beyond it; `transform` places x."""
     low, high = axes.get_ylim()
@@ -87,6 +93,7 @@ def _share(sizes: Array, share: float) -> float:
 
 
 def _core(sizes: Array) -> float:
-    """The largest of those that do not stray from the others."""
-    bound = max(_STRAY * _share(sizes, 75), _STRAY_FROM)
-    return _share(sizes[sizes <= bound], 100)
+    """The largest of those that do not stray from the others; there must be a gap before a stray one."""
+    most = _share(sizes, 100)
+    core = _share(sizes[sizes <= max(_STRAY * _share(sizes, 75), _STRAY_FROM)], 100)
+    return most if most <= 2 * core else core

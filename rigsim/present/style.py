@@ -106,7 +106,12 @@ def place(figure: Figure, left: float, bottom: float, width: float, height: floa
 
 
 def legend(
-    figure: Figure, entries: Sequence[tuple[Artist, str]], left: float, top: float, title: str | None = None
+    figure: Figure,
+    entries: Sequence[tuple[Artist, str]],
+    left: float,
+    top: float,
+    title: str | None = None,
+    columns: int = 1,
 ) -> None:
     """A legend whose upper left corner stands at a place given in inches."""
     page_width, page_height = figure.get_size_inches()
@@ -115,6 +120,7 @@ def legend(
         [label for _, label in entries],
         title=title,
         alignment="left",
+        ncols=columns,
         loc="upper left",
         bbox_to_anchor=(left / page_width, top / page_height),
         handlelength=1.5,

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,14 +19,29 @@ from rigsim.study.result import AXES, SweepResult
 MOST_ROWS = 200
 """Rows of the table of all rows; of more, the best ones are shown."""
 
-MEASURED: tuple[str, ...] = (
-    "measured_depth_rmse_mm",
-    "predicted_from_measured_rmse_mm",
-    "measured_over_predicted",
-    "measured_n",
-    "measured_outlier_fraction",
+_SIMULATED: dict[str, str] = {
+    "depth_rmse_mm": "RMS",
+    "interval": "95 % interval",
+    "predicted_depth_rmse_mm": "predicted",
+    "predicted_over_simulated": "ratio",
+}
+_MEASURED: dict[str, str] = {
+    "measured_depth_rmse_mm": "RMS",
+    "predicted_from_measured_rmse_mm": "predicted",
+    "measured_over_predicted": "ratio",
+    "measured_n": "points",
+    "measured_outlier_fraction": "outliers",
+}
+_OF: dict[str, str] = {
+    "predicted_over_simulated": "pred. / sim.",
+    "measured_over_predicted": "meas. / pred.",
+}
+"""What is divided by what, where the heading is short."""
+_GROUPS: tuple[tuple[str, dict[str, str]], ...] = (
+    ("simulated: depth error", _SIMULATED),
+    ("measured in the pictures: depth error", _MEASURED),
 )
-"""Columns of the third witness; left out where nothing was measured."""
+"""Headings over the columns of the second and the third witness, and those columns' short headings."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +68,8 @@ class Table:
     """The rows."""
     note: str = ""
     """What was left out, in words."""
+    groups: tuple[tuple[str, int], ...] = ()
+    """Headings over several columns: what they say and how many columns they span; none when empty."""
 
 
 def all_rows(result: SweepResult) -> Table:
@@ -107,20 +125,38 @@ def _of(column: Column) -> _Shown:
 
 
 def _error_columns(table: pd.DataFrame) -> list[_Shown]:
-    """What says how good a configuration is; columns that are nil throughout are left out."""
-    names = ["depth_rmse_mm", "interval", "predicted_depth_rmse_mm", "predicted_over_simulated"]
+    """What says how good a configuration is; columns that are nil throughout are left out.
+
+    With a third witness the columns stand in groups, and what a page has no room for stands in the files.
+    """
+    nil = [name for name in ("low_disparity_fraction", "failed_fraction") if not (table[name] > 0).any()]
+    rest = ["visible_fraction", "low_disparity_fraction", "failed_fraction"]
     if was_measured(table):
-        names += MEASURED
-    names += ["depth_abs_p95_mm", "depth_bias_mm", "depth_rmse_pct", "nees", "visible_fraction"]
-    names += [name for name in ("low_disparity_fraction", "failed_fraction") if (table[name] > 0).any()]
-    return [_INTERVAL if name == "interval" else _of(COLUMNS[name]) for name in names]
+        columns = [replace(_named(name), heading=head) for _, part in _GROUPS for name, head in part.items()]
+        columns = [replace(column, unit=_OF.get(column.name, column.unit)) for column in columns]
+    else:
+        columns = [_named(name) for name in _SIMULATED]
+        rest = ["depth_abs_p95_mm", "depth_bias_mm", "depth_rmse_pct", "nees", *rest]
+    return columns + [_named(name) for name in rest if name not in nil]
 
 
-def _table(columns: tuple[_Shown, ...], table: pd.DataFrame, best: list[bool], note: str = "") -> Table:
+def _named(name: str) -> _Shown:
+    return _INTERVAL if name == "interval" else _of(COLUMNS[name])
+
+
+def _groups(columns: Sequence[_Shown]) -> tuple[tuple[str, int], ...]:
+    """The headings over columns of the second and the third witness; none without a third."""
+    if not any(column.name in _MEASURED for column in columns):
+        return ()
+    over = [next((heading for heading, names in _GROUPS if column.name in names), "") for column in columns]
+    return tuple((heading, len(list(same))) for heading, same in itertools.groupby(over))
+
+
+def _table(columns: Sequence[_Shown], table: pd.DataFrame, best: list[bool], note: str = "") -> Table:
     rows = tuple(
         Row(
             tuple(
-                _interval(record) if column is _INTERVAL else column.show(record[column.name])
+                _interval(record) if column.name == _INTERVAL.name else column.show(record[column.name])
                 for column in columns
             ),
             record["agreement"] != "agrees",
@@ -129,7 +165,7 @@ def _table(columns: tuple[_Shown, ...], table: pd.DataFrame, best: list[bool], n
         for record, is_best in zip(table.to_dict("records"), best, strict=True)
     )
     headings = tuple((column.heading, column.unit) for column in columns)
-    return Table(headings, tuple(column.numeric for column in columns), rows, note)
+    return Table(headings, tuple(column.numeric for column in columns), rows, note, _groups(columns))
 
 
 def _interval(record: dict[Any, Any]) -> str:

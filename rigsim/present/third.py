@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import pandas as pd
@@ -14,9 +14,13 @@ from matplotlib.transforms import Transform
 from rigsim.present import style
 from rigsim.present.axes import Slice
 from rigsim.present.measured import blamed, equivalent_noise_px
+from rigsim.present.strips import mark_beyond, within
 from rigsim.rig.arrays import Array
 
-DASHES = (0, (4, 2.5))
+Dashes: TypeAlias = tuple[float, tuple[float, ...]]
+"""A line pattern as matplotlib takes it: where it starts, and lengths on and off."""
+DASHES: Dashes = (0, (4, 2.5))
+"""Pattern of what is predicted from the measured accuracy."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,7 +95,9 @@ def draw_series(axes: Axes, strip: Axes, series: Series, curve: bool, aside: Tra
         axes.scatter(
             x, predicted, marker="_", s=260, color=color, linewidths=1.4, linestyle=(0, (1.4, 1)), zorder=2
         )
-    for each, y, place in ((axes, series.measured_mm, axes.transData), (strip, series.ratio, aside)):
+    mark_beyond(strip, series.x, series.ratio, color, aside)
+    ratio = within(strip, series.ratio)
+    for each, y, place in ((axes, series.measured_mm, axes.transData), (strip, ratio, aside)):
         size = 34 if len(series.x) <= 20 else 18
         each.scatter(
             series.x,

@@ -31,7 +31,7 @@ def witness_table(result: SweepResult) -> Table:
             f"{method} found in both rendered pictures and triangulated; the truth is joined afterwards",
         ),
         ("Points", seen, f"{seen} × {count(row['n_trials'])} trials", found_words(row)),
-        ("Noise of a coordinate", noise, noise, equivalent),
+        ("Pixel noise", noise, noise, equivalent),
         (
             "Depth error RMS",
             length_mm(row["predicted_depth_rmse_mm"]),
@@ -39,7 +39,7 @@ def witness_table(result: SweepResult) -> Table:
             length_mm(row["measured_depth_rmse_mm"]),
         ),
         (
-            "Predicted for it",
+            "Its prediction",
             _NONE,
             length_mm(row["predicted_depth_rmse_mm"]),
             length_mm(row["predicted_from_measured_rmse_mm"]),
