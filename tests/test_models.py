@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import math
 import sys
 from collections import Counter
 from pathlib import Path
@@ -227,14 +228,19 @@ def test_the_worked_examples_stand_where_their_disparity_says(
 
 def test_a_corner_of_the_wall_board_by_hand(scenes: dict[str, Loaded]) -> None:
     # the geom `wall`: at (4.985, -2.493, 2.223), x to the picture's right (-y), y up, z to the rig (-x),
-    # half thickness 6 mm; 7 x 10 corners of 92 mm: the first lies 4.5 squares left and 3 squares up
+    # half thickness 6 mm; 7 x 10 corners of 92 mm: the first lies 4.5 squares left and 3 squares up of a
+    # board that hangs 5 degrees askew, turned against the clock
     scene = scenes["boards"]
     corner = scene.corners_world("wall")[0, 0]
-    np.testing.assert_allclose(corner, [4.985 - 0.006, -2.493 + 4.5 * 0.092, 2.223 + 3 * 0.092], atol=1e-9)
+    right = 0.092 * (-4.5 * math.cos(math.radians(5)) - 3 * math.sin(math.radians(5)))
+    up = 0.092 * (-4.5 * math.sin(math.radians(5)) + 3 * math.cos(math.radians(5)))
+    np.testing.assert_allclose(corner, [4.985 - 0.006, -2.493 - right, 2.223 + up], atol=1e-9)
     # left camera at (0, 0.06, 1.06), f 900, principal point (639.5, 359.5)
     uv, visible = scene.seen(corner[None], -1, scene.rig)
     np.testing.assert_allclose(
-        uv[0], [639.5 + 900 * (0.06 + 2.079) / 4.979, 359.5 - 900 * (2.499 - 1.06) / 4.979], atol=1e-6
+        uv[0],
+        [639.5 + 900 * (0.06 + 2.493 + right) / 4.979, 359.5 - 900 * (2.223 + up - 1.06) / 4.979],
+        atol=1e-6,
     )
     assert visible[0]
 
