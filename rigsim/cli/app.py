@@ -12,6 +12,7 @@ import typer
 from rigsim._version import __version__
 from rigsim.cli import calc
 from rigsim.cli.doctor import doctor
+from rigsim.cli.measure import measure
 from rigsim.cli.render import render
 from rigsim.cli.scenes import scenes
 from rigsim.cli.sweep import sweep
@@ -28,6 +29,7 @@ app = typer.Typer(
 app.command()(sweep)
 app.add_typer(calc.app)
 app.command()(render)
+app.command()(measure)
 app.command()(scenes)
 app.command()(doctor)
 

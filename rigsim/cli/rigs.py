@@ -37,11 +37,27 @@ class RigOptions:
         if self.rig is not None and self.preset is not None:
             raise InvalidRange("--rig and --preset both given: give one")
         if self.rig is not None:
+            if self._is_middlebury:
+                from rigsim.interop.middlebury import read_calib
+
+                return read_calib(self.rig).rig
             from rigsim.interop.rig_toml import read_rig
 
             return read_rig(self.rig)
         name = self.preset or (scene if scene in PRESETS else DEFAULT_PRESET)
         return preset(name).rig
+
+    def disparity_range(self) -> tuple[float, float] | None:
+        """Disparities to search, px, as a Middlebury calib.txt says; None where nothing says."""
+        if self.rig is None or not self._is_middlebury:
+            return None
+        from rigsim.interop.middlebury import read_calib
+
+        return read_calib(self.rig).disparity_range
+
+    @property
+    def _is_middlebury(self) -> bool:
+        return self.rig is not None and self.rig.suffix.lower() == ".txt"
 
     def grid(self, scene: str) -> RigGrid:
         """All rigs asked for.

@@ -1,0 +1,122 @@
+"""`rigsim measure`: what the pixels of somebody's own pair say."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shlex
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rigsim.cli import quantity
+from rigsim.cli.options import Json, single_rig, takes_rig
+from rigsim.cli.rigs import RigOptions
+from rigsim.errors import InvalidRange
+
+
+@takes_rig
+def measure(
+    options: RigOptions,
+    left: Annotated[Path, typer.Argument(metavar="LEFT", help="Picture of the left camera.")],
+    right: Annotated[Path, typer.Argument(metavar="RIGHT", help="Picture of the right camera.")],
+    board: Annotated[
+        str | None,
+        typer.Option(metavar="ROWSxCOLS", help="Measure checker boards as well: inner corners, 6x9."),
+    ] = None,
+    dense: Annotated[bool, typer.Option(help="Find a disparity for every pixel.")] = True,
+    matcher: Annotated[
+        str,
+        typer.Option(
+            help="Who finds it: sgbm; package.module:function(left, right, rig); or a command with {left}, "
+            "{right} and {out} in it."
+        ),
+    ] = "sgbm",
+    timeout: Annotated[float, typer.Option(metavar="S", help="Longest time for a matcher, s.")] = 120.0,
+    disparity: Annotated[
+        str | None, typer.Option(metavar="PX:PX", help="Disparities to search: 0:128, px.")
+    ] = None,
+    truth: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="True disparity of the left pixels: .pfm, .npy or .png."),
+    ] = None,
+    truth_scale: Annotated[
+        float | None,
+        typer.Option(metavar="LEVELS", help="Grey levels of a truth PNG that are one px.  [default: 256]"),
+    ] = None,
+    target: Annotated[
+        str | None,
+        typer.Option(metavar="U,V,WxH", help="Pixels of a flat target, to judge by itself: 400,300,200x100."),
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder of pictures, points and tables.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
+    as_json: Json = False,
+) -> None:
+    """Measure a pair of pictures: matches, depths, how accurate they are, and whether the rig fits.
+
+    Give the rig with --rig: a rig.toml, or the calib.txt of Middlebury.
+    """
+    rows_cols = None if board is None else _board(board)
+    pixels = None if target is None else _target(target)
+    searched = None if disparity is None else quantity.span(disparity, quantity.DISPARITY)
+
+    from rigsim.interop import folder
+
+    if out is not None:
+        folder.check_output(out, force)
+
+    # an unreadable picture is one line of ours, not two with OpenCV's
+    os.environ.setdefault("OPENCV_LOG_LEVEL", "ERROR")
+    from rigsim.interop.pair_files import document, pair_files, read_truth, sources
+    from rigsim.measure.reading import read_image
+
+    image_left, image_right = read_image(left), read_image(right)
+    if options == RigOptions():
+        raise InvalidRange("--rig is missing: give a rig.toml or a calib.txt, or --baseline and --focal")
+    if options.rig is None and options.preset is None and options.resolution is None:
+        options = replace(options, resolution=f"{image_left.shape[1]}x{image_left.shape[0]}")
+    rig = single_rig(options, None)
+    true = None if truth is None else read_truth(truth, truth_scale)
+
+    from rigsim.study.pair import measure_pair, versions
+
+    files = {"left": left, "right": right} | ({} if truth is None else {"truth": truth})
+    result = measure_pair(
+        image_left,
+        image_right,
+        rig,
+        matcher=matcher if dense else None,
+        board=rows_cols,
+        truth=true,
+        target=pixels,
+        disparity_range=searched or options.disparity_range(),
+        timeout_s=timeout,
+        provenance={"command": shlex.join(["rigsim", *sys.argv[1:]]), **sources(files), **versions()},
+    )
+
+    from rigsim.present.pair import pair_pictures, print_pair
+
+    if out is not None:
+        folder.write_folder(out, {**pair_pictures(result), **pair_files(result)}, force)
+    if as_json:
+        typer.echo(json.dumps(document(result), indent=2, ensure_ascii=False))
+    else:
+        print_pair(result, out)
+
+
+def _board(text: str) -> tuple[int, int]:
+    sizes = re.fullmatch(r"\s*(\d{1,3})\s*[xX×]\s*(\d{1,3})\s*", text)
+    if sizes is None:
+        raise InvalidRange(f"board {text!r}: give rows and columns of inner corners: 6x9")
+    return int(sizes[1]), int(sizes[2])
+
+
+def _target(text: str) -> tuple[int, int, int, int]:
+    sides = re.fullmatch(r"\s*(\d{1,6})\s*,\s*(\d{1,6})\s*,\s*(\d{1,6})\s*[xX×]\s*(\d{1,6})\s*", text)
+    if sides is None:
+        raise InvalidRange(f"target {text!r}: give its first column and row, and its size: 400,300,200x100")
+    return int(sides[1]), int(sides[2]), int(sides[3]), int(sides[4])
