@@ -43,8 +43,8 @@ def test_the_legend_names_both_noises() -> None:
     figure = witnesses_figure(make_result((100, 200), n_points=400, method="patches"))
     texts = [text.get_text() for text in figure.legends[0].get_texts()]
     assert "predicted from 0.25 px of noise" in texts
-    assert "predicted from the measured noise, 0.0045 px" in texts
-    assert "measured: matched patches found in the pictures" in texts
+    assert "predicted from the accuracy they claim" in texts
+    assert "measured: matched patches, 0.0045 px of noise" in texts
 
 
 @pytest.mark.parametrize(

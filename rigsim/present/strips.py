@@ -11,7 +11,7 @@ from rigsim.present import style
 from rigsim.present.format import number, plain
 from rigsim.rig.arrays import Array
 
-_NARROWEST = 0.02
+_NARROWEST, _WIDEST_LINEAR = 0.02, 0.95
 _WIDEST = 100.0  # times; beyond, a ratio only says that something is broken
 _STRAY, _STRAY_FROM = 4.0, 0.3  # times as far from 1 as three quarters of the others, and at least so far
 _TICKS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100)
@@ -23,8 +23,8 @@ def scale_strip(axes: Axes, ratios: Array, low: Array, high: Array) -> None:
     Logarithmic when the ratios are off by more than a factor of two; a few that stray far from the
     others are left beyond the strip, for `mark_beyond`.
     """
-    half = 1.3 * _core(_sizes(ratios - 1))
-    if half > 1:
+    core = _core(_sizes(ratios - 1))
+    if core > _WIDEST_LINEAR:
         with np.errstate(divide="ignore", invalid="ignore"):
             factor = np.exp(1.25 * _core(_sizes(np.log(ratios))))
         factor = float(np.clip(factor, 2.0, _WIDEST))
@@ -36,7 +36,7 @@ def scale_strip(axes: Axes, ratios: Array, low: Array, high: Array) -> None:
         axes.yaxis.set_major_locator(FixedLocator(ticks[middle % step :: step]))
     else:
         interval = 1.15 * _share(_sizes(np.stack([low, high]) - 1), 90)
-        half = min(max(half, interval, _NARROWEST), 1.0)
+        half = min(max(1.3 * core, interval, _NARROWEST), 1.0)
         axes.set_ylim(1 - half, 1 + half)
         axes.yaxis.set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))
     axes.yaxis.set_minor_locator(NullLocator())

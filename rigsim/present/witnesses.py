@@ -66,7 +66,8 @@ def _best_line(result: SweepResult, x: Axis, axes: list[Axis]) -> Slice:
 def _title(cut: Slice, axes: list[Axis]) -> str:
     """What is drawn against what, and where the other axes are held; the legend names the noise."""
     names = [axis for axis in axes if axis.column in cut.held and axis.column != "noise_px"]
-    held = ", ".join(f"{axis.heading} {axis.say(cut.held[axis.column])}" for axis in names)
+    said = (f"{axis.heading} {axis.say(cut.held[axis.column])}".replace(" ", "\u00a0") for axis in names)
+    held = ", ".join(said)
     return f"Against {cut.x.heading}" + (f" at {held}" if held else "")
 
 
@@ -153,7 +154,7 @@ def _draw_legend(figure: Figure, result: SweepResult) -> None:
     best = best_row(result)
     method = METHODS.get(str(best["measured_method"]), "points")
     value = noise_value(best)
-    own = f"the measured noise, {value} px" if value else "the measured noise"
+    found = f"measured: {method}" + (f", {value} px of noise" if value else "")
     dot = Line2D([], [], color=_SIMULATED, marker="o", linestyle="none")
     line = Line2D([], [], color=_SIMULATED, linewidth=1.4)
     diamond = Line2D(
@@ -163,7 +164,7 @@ def _draw_legend(figure: Figure, result: SweepResult) -> None:
     entries: list[tuple[Artist, str]] = [
         (line, f"predicted from {plain(best['noise_px'])} px of noise"),
         (dot, f"simulated with {plain(best['noise_px'])} px of noise, 95 % CI"),
-        (dashed, f"predicted from {own}"),
-        (diamond, f"measured: {method} found in the pictures"),
+        (dashed, "predicted from the accuracy they claim"),
+        (diamond, found),
     ]
     style.legend(figure, entries, _LEFT, _HEIGHT - 0.08, columns=2)
