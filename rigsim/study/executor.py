@@ -18,6 +18,8 @@ from rigsim.study.plan import Plan
 
 _AHEAD = 4  # rigs queued for each process: enough to keep it busy, few enough to stop soon
 
+_THREADS = ("LP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
+
 _worker: tuple[Simulator, Plan] | None = None
 
 
@@ -36,7 +38,7 @@ def _run_in_processes(rigs: Iterable[StereoRig], plan: Plan, jobs: int, backend:
     pool = ProcessPoolExecutor(
         jobs, mp_context=multiprocessing.get_context("spawn"), initializer=_open, initargs=(plan, backend)
     )
-    with _one_gl_thread():
+    with _one_thread_each():
         try:
             for rig in rigs:
                 waiting.append(pool.submit(_run, rig))
@@ -67,12 +69,14 @@ def _run(rig: StereoRig) -> Outcome:
 
 
 @contextlib.contextmanager
-def _one_gl_thread() -> Iterator[None]:
-    """Let each process rasterise with one thread: several processes share the cores better."""
-    before = os.environ.get("LP_NUM_THREADS")
-    os.environ.setdefault("LP_NUM_THREADS", "1")
+def _one_thread_each() -> Iterator[None]:
+    """Let each process rasterise and multiply with one thread: several processes share the cores better."""
+    before = {name: os.environ.get(name) for name in _THREADS}
+    for name in _THREADS:
+        os.environ.setdefault(name, "1")
     try:
         yield
     finally:
-        if before is None:
-            os.environ.pop("LP_NUM_THREADS", None)
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
