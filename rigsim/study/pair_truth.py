@@ -73,8 +73,8 @@ class DenseErrors:
 def truth_at(truth: Array, uv: Array) -> Array:
     """True disparity (N,) px at positions (N, 2) px, between pixels by bilinear interpolation.
 
-    NaN beyond the image, where a pixel next to the position is unknown, or where they differ by a step of
-    more than 2 px: what lies between is no point of a surface.
+    NaN beyond the image, where a pixel next to the position is unknown, or where two of them side by side
+    differ by a step of more than 2 px: what lies between is no point of a surface.
     """
     height, width = truth.shape
     u, v = uv[:, 0], uv[:, 1]
@@ -84,16 +84,16 @@ def truth_at(truth: Array, uv: Array) -> Array:
     share_u, share_v = u - left, v - top
     # a position on a pixel asks that pixel alone
     right, bottom = left + (share_u > 0), top + (share_v > 0)
-    corners = np.stack([truth[top, left], truth[top, right], truth[bottom, left], truth[bottom, right]])
+    corners = np.stack([truth[top, left], truth[top, right], truth[bottom, right], truth[bottom, left]])
     weights = np.stack(
         [
             (1 - share_u) * (1 - share_v),
             share_u * (1 - share_v),
-            (1 - share_u) * share_v,
             share_u * share_v,
+            (1 - share_u) * share_v,
         ]
     )
-    one_surface = inside & (corners.max(axis=0) - corners.min(axis=0) <= DISPARITY_GAP_PX)
+    one_surface = inside & (np.abs(corners - np.roll(corners, 1, axis=0)).max(axis=0) <= DISPARITY_GAP_PX)
     return np.where(one_surface, (corners * weights).sum(axis=0), np.nan)
 
 
