@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.pair import measure_pair
+from rigsim.study.pair_findings import is_misaligned
 from rigsim.study.pair_result import PairMeasurement
 from rigsim.study.pair_truth import truth_at
 from tests.checker_images import board_homography, board_image
@@ -181,6 +183,16 @@ def test_a_turned_camera_is_named(turn: float, word: str):
     says = said(result, "not_rectified")
     assert word in says
     assert float(says.split("by about ")[1].split(" deg")[0]) == pytest.approx(math.degrees(0.02), rel=0.2)
+
+
+def test_a_few_wrong_matches_are_no_fault_of_the_rig():
+    patches = measured(flat()).patches
+    off = patches.epipolar_px.copy()
+    off[::10] = 2.0
+    wrong = replace(patches, epipolar_px=off)
+    assert wrong.epipolar_rms_px > 0.6
+    assert not is_misaligned(wrong)
+    assert is_misaligned(replace(patches, epipolar_px=off * 0 - 0.35))
 
 
 def test_pictures_of_different_things_do_not_pass():

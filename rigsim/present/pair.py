@@ -15,7 +15,7 @@ from rigsim.present.console import make_console, print_table
 from rigsim.present.format import count, length, length_mm, number, percent
 from rigsim.present.pictures import disparity_picture, encode, picture_limits, with_scale
 from rigsim.rig.arrays import Array, Image
-from rigsim.study.pair_findings import EPIPOLAR_RMS_PX
+from rigsim.study.pair_findings import is_misaligned
 from rigsim.study.pair_result import DenseMap, PairMatches, PairMeasurement, eight_bit
 from rigsim.study.pair_truth import OUTLIER_PX, DenseErrors
 
@@ -115,8 +115,11 @@ def _sentences(matches: PairMatches) -> Iterator[str]:
     yield f"{matches.kind.capitalize()}: {count(matches.n)} of {count(matches.n_tried)} {what}{where}."
     rms = matches.epipolar_rms_px
     if math.isfinite(rms):
-        fine = f"up to {EPIPOLAR_RMS_PX:g} is usual" if rms <= EPIPOLAR_RMS_PX else "see the warning"
-        yield f"They lie {number(rms, 2)} px (RMS) off their epipolar lines: {fine}."
+        verdict = "see the warning" if is_misaligned(matches) else "the rig fits"
+        yield (
+            f"They lie {_px(rms)} px (RMS) off their epipolar lines, half of them within "
+            f"{_px(matches.epipolar_typical_px)} px: {verdict}."
+        )
     yield (
         f"Predicted standard deviation of a disparity: {number(matches.predicted_std_px, 2)} px in the "
         f"median, {number(matches.predicted_rms_px, 2)} px RMS."

@@ -16,7 +16,11 @@ LOW_SHARE = 0.08
 are several pixels off, a twentieth at most."""
 
 EPIPOLAR_RMS_PX = 0.3
-"""Noise and odd wrong matches stay below this; a pair that is off by a third of a row does not."""
+"""A pair that is off by a third of a row shows more than this."""
+
+EPIPOLAR_TYPICAL_PX = 0.1
+"""Half of the matches of a pair whose rows correspond are nearer than this in any noise; a few wrong ones
+alone can raise the RMS."""
 
 _ENOUGH = 30
 _SHIFT_PX = 0.1
@@ -76,10 +80,15 @@ def dense_findings(dense: DenseMap, truth: Array | None, matches: PairMatches | 
         )
 
 
+def is_misaligned(matches: PairMatches) -> bool:
+    """Whether matches lie off their epipolar lines by more than noise and a few wrong ones explain."""
+    return matches.epipolar_rms_px > EPIPOLAR_RMS_PX and matches.epipolar_typical_px > EPIPOLAR_TYPICAL_PX
+
+
 def _row_findings(matches: PairMatches, rig: StereoRig) -> Iterator[Finding]:
-    rms = matches.epipolar_rms_px
-    if not rms > EPIPOLAR_RMS_PX:
+    if not is_misaligned(matches):
         return
+    rms = matches.epipolar_rms_px
     claimed = "rectified as the rig says" if rig.is_rectified else "as the rig says"
     # what matches by chance tells nothing about the kind of error
     fault = _row_fault(matches) + " " if matches.n >= LOW_SHARE * matches.n_tried else ""

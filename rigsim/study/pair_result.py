@@ -83,6 +83,12 @@ class PairMatches:
         return float(np.median(known)) if len(known) else math.nan
 
     @property
+    def epipolar_typical_px(self) -> float:
+        """Median of the absolute `epipolar_px`, which wrong matches do not move; NaN when no match tells."""
+        known = self.epipolar_px[np.isfinite(self.epipolar_px)]
+        return float(np.median(np.abs(known))) if len(known) else math.nan
+
+    @property
     def predicted_std_px(self) -> float:
         """Median of `disparity_std_px`."""
         return float(np.median(self.disparity_std_px))
