@@ -158,7 +158,7 @@ def sweep(
 
 
 def _has_sensor(rig: Path | None) -> bool:
-    if rig is None or rig.suffix == ".txt":
+    if rig is None or rig.suffix.lower() == ".txt":
         return False
     from rigsim.interop.rig_toml import read_sensor
 
