@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 import shlex
 import sys
@@ -69,8 +68,6 @@ def measure(
     if out is not None:
         folder.check_output(out, force)
 
-    # an unreadable picture is one line of ours, not two with OpenCV's
-    os.environ.setdefault("OPENCV_LOG_LEVEL", "ERROR")
     from rigsim.interop.pair_files import document, pair_files, read_truth, sources
     from rigsim.measure.reading import read_image
 

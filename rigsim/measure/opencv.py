@@ -17,4 +17,6 @@ def load_cv2() -> Any:
         import cv2
     except ImportError:
         raise MeasurementFailed("OpenCV is not installed: pip install 'rigsim[vision]'") from None
+    # what goes wrong is said by an exception, in one line
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     return cv2
