@@ -269,6 +269,32 @@ def test_render_writes_a_pair_that_agrees_with_itself(tmp_path: Path):
     }  # fmt: skip
 
 
+def test_render_draws_a_lens_that_distorts(tmp_path: Path):
+    import numpy as np
+    from PIL import Image
+
+    (tmp_path / "rig.toml").write_text(
+        "".join(
+            f"[{side}]\nwidth_px = 160\nheight_px = 120\nfx_px = 110\nfy_px = 110\n"
+            f"cx_px = 79.5\ncy_px = 59.5\n[{side}.distortion]\nk1 = -0.1\n"
+            for side in ("left", "right")
+        )
+        + "[right_from_left]\nrotvec_deg = [0, 0, 0]\nt_mm = [-120, 0, 0]\n"
+    )
+    done = rigsim("render", "--rig", "rig.toml", "--out", "pair", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    plain = rigsim("render", "--resolution", "160x120", "--focal", "110", "--out", "plain", cwd=tmp_path)
+    assert plain.returncode == 0, plain.stderr
+    bent, straight = (np.load(tmp_path / name / "depth_left.npy") for name in ("pair", "plain"))
+    assert bent[60, 80] == pytest.approx(straight[60, 80], rel=1e-3)  # the middle stays
+    # a barrel sees further out: the pixel at radius r_d shows what lies at r_d = r (1 - 0.1 r^2)
+    r_d = 59.5 / 110
+    r = min(np.roots([-0.1, 0, 1, -r_d]).real, key=lambda root: abs(root - r_d))
+    assert round(79.5 - 110 * r) == 18
+    assert bent[59, 20] == pytest.approx(straight[59, 18], rel=0.01)
+    assert np.asarray(Image.open(tmp_path / "pair" / "left.png")).std() > 20
+
+
 def test_scenes_and_doctor_speak(tmp_path: Path):
     scenes = rigsim("scenes", cwd=tmp_path)
     assert scenes.returncode == 0

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from rigsim.measure.sensor import Sensor
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.frame import StereoFrame
-from rigsim.sim.simulator import Simulator
+from rigsim.sim.simulator import SUPERSAMPLE, Simulator
+from rigsim.study.pictures import expose_pair
 from rigsim.study.provenance import simulator_provenance
 
 
@@ -39,7 +41,7 @@ def take_snapshot(
     """
     with Simulator(scene, mount, renderer) as simulator:
         simulator.place(rig)
-        frame = simulator.render()
+        frame = expose_pair(simulator, rig, Sensor(), SUPERSAMPLE).frame
         return Snapshot(
             scene=simulator.scene.name,
             rig=rig,
