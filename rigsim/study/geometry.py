@@ -97,6 +97,8 @@ def measuring_method(simulator: Simulator, plan: Plan) -> str:
     """What is measured in this scene when the plan leaves it open."""
     if plan.measure != "auto":
         return plan.measure
+    if simulator.backend == "rays":
+        return "none"  # their pictures have no texture to measure
     return "corners" if len(simulator.scene.boards) >= CORNERS_FROM_BOARDS else "patches"
 
 

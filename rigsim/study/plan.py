@@ -168,7 +168,7 @@ class Plan:
     """auto, egl, osmesa or rays."""
     measure: str = "auto"
     """What is measured in the pictures: none, corners, patches or dense; "auto" takes corners where the
-    scene has boards, else patches."""
+    scene has boards, else patches; and nothing from the plain pictures of rays."""
     sensors: Mapping[str, Sensor] = field(default_factory=lambda: {"ideal": Sensor()})
     """Lens and sensor that the pictures are taken with, by the name they have in tables."""
     supersample: int = SUPERSAMPLE
