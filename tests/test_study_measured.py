@@ -178,6 +178,12 @@ def test_scenes_with_few_boards_are_measured_by_patches():
     assert row["agreement"] == "agrees"
 
 
+def test_plain_pictures_of_rays_are_not_measured():
+    row = sweep([RIG], Plan(n_points=100, n_trials=5, renderer="rays")).rows.loc[0]
+    assert row["measured_method"] == "none"
+    assert row["agreement"] == "agrees"
+
+
 def test_unknown_methods_and_no_sensor_are_refused():
     with pytest.raises(InvalidRange, match="choose one of auto, none, corners"):
         Plan(measure="guess")

@@ -124,7 +124,7 @@ def sweep(
         renderer = backend.choose()
         if renderer == "rays":
             typer.echo(
-                "no GL library works here: using rays (`rigsim doctor` says what to install)", err=True
+                "no GL library works here: using rays, which measure nothing (see `rigsim doctor`)", err=True
             )
     if measure == "auto" and importlib.util.find_spec("cv2") is None:
         measure = "none"
