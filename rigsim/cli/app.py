@@ -13,6 +13,7 @@ from rigsim._version import __version__
 from rigsim.cli import calc
 from rigsim.cli.doctor import doctor
 from rigsim.cli.measure import measure
+from rigsim.cli.presets import presets
 from rigsim.cli.render import render
 from rigsim.cli.scenes import scenes
 from rigsim.cli.sweep import sweep
@@ -31,6 +32,7 @@ app.add_typer(calc.app)
 app.command()(render)
 app.command()(measure)
 app.command()(scenes)
+app.command()(presets)
 app.command()(doctor)
 
 
