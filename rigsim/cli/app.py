@@ -11,7 +11,9 @@ import typer
 
 from rigsim._version import __version__
 from rigsim.cli import calc
+from rigsim.cli.design import design
 from rigsim.cli.doctor import doctor
+from rigsim.cli.infer import infer
 from rigsim.cli.measure import measure
 from rigsim.cli.presets import presets
 from rigsim.cli.render import render
@@ -30,7 +32,9 @@ app = typer.Typer(
 app.command()(sweep)
 app.add_typer(calc.app)
 app.command()(render)
+app.command()(design)
 app.command()(measure)
+app.command()(infer)
 app.command()(scenes)
 app.command()(presets)
 app.command()(doctor)

@@ -64,7 +64,7 @@ def _list(items: Sequence[Preset]) -> None:
     print_table("Rigs made for a scene (--preset)", (*_HEADS, "what it is for"), rigs, numeric=_RIGHT)
     print_table(
         "Cameras one can buy (--preset)",
-        (*_HEADS, "min Z\nmm", "search\npx", "claimed depth accuracy"),
+        (*_HEADS, "min Z\nmm", "search\npx", "claimed\naccuracy"),
         cameras,
         numeric=(*_RIGHT[:-1], True, True, False),
     )
@@ -131,7 +131,7 @@ def _note(figure: Figure) -> str:
 
 def _claims(item: Preset) -> str:
     claims = [figure for figure in item.figures if figure.quantity == "accuracy_pct"]
-    return ", ".join(f"{figure.value:g} % at {(figure.at_mm or 0) / 1e3:g} m" for figure in claims) or "–"
+    return ", ".join(f"{figure.value:g}%@{(figure.at_mm or 0) / 1e3:g}m" for figure in claims) or "–"
 
 
 def _or_dash(value: float | None) -> str:
