@@ -33,7 +33,7 @@ def merits(c: Candidate) -> tuple[float, ...]:
 
 @pytest.mark.parametrize("preference", PREFERENCES)
 def test_candidates_meet_every_requirement_in_the_order_preferred(preference: str) -> None:
-    design = solve(SPEC, CAMERAS, preference)  # type: ignore[arg-type]
+    design = solve(SPEC, CAMERAS, preference)
     for candidate in design.candidates:
         for asked in SPEC.requirements:
             achieved = asked.achieved(candidate.camera, candidate.baseline_m, SPEC.disparity_std_px)
@@ -101,7 +101,7 @@ def test_cameras_that_never_fit_are_said() -> None:
         (lambda: specify(0.5, 3.0, []), "no depth error"),
         (lambda: specify(0.5, 3.0, [Requirement("depth_error", 0.01, 5.0)]), "outside the range"),
         (lambda: solve(SPEC, []), "no camera"),
-        (lambda: solve(SPEC, CAMERAS, "best"), "choose one of"),  # type: ignore[arg-type]
+        (lambda: solve(SPEC, CAMERAS, "best"), "choose one of"),
     ],
 )
 def test_bad_specifications(make: object, words: str) -> None:

@@ -14,7 +14,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
 
 from rigsim.errors import InvalidRange, InvalidRig
 from rigsim.rig.intrinsics import Intrinsics
@@ -30,8 +29,7 @@ from rigsim.theory.inverse import (
     relaxations,
 )
 
-Preference: TypeAlias = Literal["smallest", "cheapest", "most-accurate"]
-PREFERENCES: tuple[Preference, ...] = ("smallest", "cheapest", "most-accurate")
+PREFERENCES: tuple[str, ...] = ("smallest", "cheapest", "most-accurate")
 
 TRUSTED_SIGMAS = 4.0
 """Disparities under this many of their standard deviations have no useful depth error."""
@@ -120,7 +118,7 @@ class Design:
     """Picks, best first by the preference."""
     pareto: tuple[Candidate, ...]
     """Those that no other beats in one of the four numbers without losing in another."""
-    preference: Preference
+    preference: str
     """What "best" means."""
 
     @property
@@ -165,9 +163,7 @@ def specify(
     )
 
 
-def solve(
-    specification: Specification, cameras: Sequence[Camera], preference: Preference = "cheapest"
-) -> Design:
+def solve(specification: Specification, cameras: Sequence[Camera], preference: str = "cheapest") -> Design:
     """All cameras' intervals, and candidates picked from them.
 
     Raises:
@@ -202,7 +198,7 @@ def pareto_front(candidates: Sequence[Candidate]) -> tuple[Candidate, ...]:
     )
 
 
-def _rank(candidate: Candidate, preference: Preference) -> tuple[float, ...]:
+def _rank(candidate: Candidate, preference: str) -> tuple[float, ...]:
     pixels, baseline, error = candidate.camera.pixels, candidate.baseline_m, candidate.far_error_m
     match preference:
         case "smallest":
