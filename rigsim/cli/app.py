@@ -19,6 +19,7 @@ from rigsim.cli.presets import presets
 from rigsim.cli.render import render
 from rigsim.cli.scenes import scenes
 from rigsim.cli.sweep import sweep
+from rigsim.cli.tolerance import tolerance
 from rigsim.errors import InvalidRange, RigsimError
 
 app = typer.Typer(
@@ -31,6 +32,7 @@ app = typer.Typer(
 )
 app.command()(sweep)
 app.add_typer(calc.app)
+app.command()(tolerance)
 app.command()(render)
 app.command()(design)
 app.command()(measure)

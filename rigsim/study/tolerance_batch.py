@@ -100,7 +100,7 @@ class RigBatch:
     def epipolar_error_px(self, rays: Rays) -> Array:
         """Signed distance (n, m) px from the epipolar constraint, to first order (Sampson): its standard
         deviation is that of one pixel coordinate."""
-        error, _, gradients = self._epipolar(rays)
+        error, gradients = self._epipolar(rays)
         with np.errstate(all="ignore"):
             return np.asarray(error / np.sqrt(_squares(gradients)))
 
@@ -111,15 +111,13 @@ class RigBatch:
         intersection: maximum likelihood but for terms of second order in the epipolar error.
         """
         left = self.rig.left
-        error, scales, gradients = self._epipolar(rays)
+        error, gradients = self._epipolar(rays)
         with np.errstate(all="ignore"):
             step = error / _squares(gradients)
-            xl, yl, xr, yr = (
-                value - step * gradient / scale
-                for value, gradient, scale in zip(
-                    (*rays.left, *rays.right), gradients, (left.fx, left.fy, *scales), strict=True
-                )
-            )
+            per_left, per_left_v, per_right, per_right_v = gradients
+            xl, yl = rays.left[0] - step * per_left / left.fx, rays.left[1] - step * per_left_v / left.fy
+            xr = rays.right[0] - step * per_right / self.fx
+            yr = rays.right[1] - step * per_right_v / self.fy
             R, t = self.R[:, :, :, None], self.t[:, :, None]
             ax, ay, az = (R[:, i, 0] * xl + R[:, i, 1] * yl + R[:, i, 2] for i in range(3))
             ex, ey = (xr * az - ax) * self.fx, (yr * az - ay) * self.fy
@@ -128,8 +126,8 @@ class RigBatch:
             z = np.where(z > 0, z, np.nan)
         return xl * z, yl * z, z
 
-    def _epipolar(self, rays: Rays) -> tuple[Array, tuple[Array, Array], tuple[Array, ...]]:
-        """The constraint's value, the right focal lengths, and its slopes in the four pixels."""
+    def _epipolar(self, rays: Rays) -> tuple[Array, tuple[Array, Array, Array, Array]]:
+        """The constraint's value, and its slopes in the four pixels."""
         (xl, yl), (xr, yr), left = rays.left, rays.right, self.rig.left
         x, y, z = self.t.T
         zero = np.zeros_like(x)
@@ -140,7 +138,7 @@ class RigBatch:
             mx, my = (E[:, 0, i] * xr + E[:, 1, i] * yr + E[:, 2, i] for i in range(2))
             error = xr * lx + yr * ly + lw
             gradients = (mx / left.fx, my / left.fy, lx / self.fx, ly / self.fy)
-        return np.asarray(error), (self.fx, self.fy), gradients
+        return np.asarray(error), gradients
 
 
 def read_rays(rig: StereoRig, pixels: Array) -> Rays:
