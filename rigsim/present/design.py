@@ -24,7 +24,10 @@ from rigsim.study import design_words as words
 from rigsim.study.design import Candidate, Design
 from rigsim.study.design_document import recommended
 from rigsim.study.design_proof import Proof
+from rigsim.theory.inverse import Camera
 from rigsim.theory.limits import blind_zone_m
+
+_MOST_ROWS = 15
 
 
 def design_html(design: Design, proofs: Sequence[Proof], command: str) -> str:
@@ -52,7 +55,7 @@ def design_html(design: Design, proofs: Sequence[Proof], command: str) -> str:
         pareto=Markup(style.to_svg(pareto_figure(design, pick), "pareto", "Pareto front")),
         plan=Markup(style.to_svg(plan_figure(design, pick, proofs), "plan", "The rig from above")),
         heads=[head.replace("\n", " ") for head in CANDIDATE_HEADS],
-        front=[candidate_row(candidate) for candidate in design.pareto],
+        front=[candidate_row(candidate) for candidate in _one_a_camera(design)],
         sheet=data_sheet(design, pick),
         left=_data_uri(show.image_left) if show else "",
         right=_data_uri(show.image_right) if show else "",
@@ -93,6 +96,15 @@ def data_sheet(design: Design, pick: Candidate) -> list[tuple[str, str]]:
     ]
 
 
+def _one_a_camera(design: Design) -> list[Candidate]:
+    """The best of the front of each camera, in order, and not too many."""
+    cameras: dict[Camera, Candidate] = {}
+    for candidate in design.pareto:
+        cameras.setdefault(candidate.camera, candidate)
+    return list(cameras.values())[:_MOST_ROWS]
+
+
 def _prose(text: str) -> Markup:
-    """Escaped text in which `words` between backticks are set as code."""
-    return Markup(re.sub(r"`([^`]*)`", r"<code>\1</code>", str(escape(text))))
+    """Escaped text, with true signs, in which `words` between backticks are set as code."""
+    signs = text.replace("<=", "≤").replace(">=", "≥")
+    return Markup(re.sub(r"`([^`]*)`", r"<code>\1</code>", str(escape(signs))))

@@ -12,7 +12,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
 from rigsim.present import style
 from rigsim.present.format import plain
@@ -58,7 +58,11 @@ def region_figure(design: Design, pick: Candidate) -> Figure:
         bar = figure.colorbar(mesh, cax=bar_axes)
         bar.set_label("depth error at\nthe far end, mm")
         bar_axes.grid(False)
-        bar_axes.yaxis.set_major_locator(FixedLocator(style.nice_levels(*_ends(error[allowed]))))
+        ends = _ends(error[allowed])
+        ticks = style.nice_levels(*ends)
+        if len(ticks) < 3:
+            ticks = list(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]).tick_values(*ends))
+        bar_axes.yaxis.set_major_locator(FixedLocator([t for t in ticks if ends[0] <= t <= ends[1]]))
         bar_axes.yaxis.set_minor_locator(NullLocator())
         bar_axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: plain(value, 4)))
         entries: list[tuple[Artist, str]] = []
@@ -71,6 +75,8 @@ def region_figure(design: Design, pick: Candidate) -> Figure:
                 axes.axvline(widest, color=color, linestyle=dash)
             else:
                 line = [asked.baseline_m(camera, spec.disparity_std_px) * 1e3 for camera in cameras]
+                if max(line) < low_mm or min(line) > high_mm:
+                    continue  # nowhere near
                 axes.plot(f, line, color=color, linestyle=dash)
             side = "left of it" if asked.kind in GATES else "above it" if asked.kind in LOWER else "below it"
             label = words.whole(asked).replace("<=", "≤").replace(">=", "≥")
