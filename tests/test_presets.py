@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -101,6 +102,16 @@ def test_the_list_as_json_holds_what_each_says_alone(answer: Any) -> None:
     assert [item["name"] for item in listed] == list(PRESETS)
     assert listed[-1] == answer("presets", "zed-mini")
     assert listed[0]["min_depth_mm"] is None
+
+
+def test_every_key_is_in_the_schema(answer: Any) -> None:
+    schema = (Path(__file__).resolve().parent.parent / "docs" / "presets.md").read_text()
+    item = answer("presets", "d455")
+    quantities = {figure["quantity"] for figure in item["figures"]}
+    for key in (*item, *item["figures"][0], *quantities):
+        assert f"`{key}`" in schema, key
+    for name in BOUGHT:
+        assert f"| {name} |" in schema, name
 
 
 def test_other_commands_take_them(answer: Any) -> None:

@@ -18,7 +18,7 @@ def sentence(inference: Inference) -> str:
     )
     if fit.verdict == "consistent":
         if fit.best == "quadratic":
-            return f"Stereo noise explains it: {grows}, and 2 is in that range."
+            return f"Stereo noise can explain it: {grows}, and 2 is in that range."
         return (
             f"Stereo noise may explain it: {grows}. A {fit.best} law fits a little better, but no more than"
             " chance would."
