@@ -44,9 +44,12 @@ def region_figure(design: Design, pick: Candidate) -> Figure:
             for i in intervals
         ]
     ).T
+    height = max(
+        _HEIGHT, 2.15 + 0.33 * len(spec.requirements)
+    )  # colour bar and legend stand above each other
     with style.styled():
-        figure = style.new_figure(style.PAGE_WIDTH_IN, _BOTTOM + _HEIGHT + 0.35)
-        axes = style.place(figure, _LEFT, _BOTTOM, _WIDTH, _HEIGHT)
+        figure = style.new_figure(style.PAGE_WIDTH_IN, _BOTTOM + height + 0.35)
+        axes = style.place(figure, _LEFT, _BOTTOM, _WIDTH, height)
         axes.grid(False)
         axes.set_title(f"Feasible rigs with {chip.width_px}x{chip.height_px} px", pad=8)
         shown = np.ma.masked_where(~allowed, error)
@@ -80,7 +83,6 @@ def region_figure(design: Design, pick: Candidate) -> Figure:
                 axes.plot(f, line, color=color, linestyle=dash)
             side = "left of it" if asked.kind in GATES else "above it" if asked.kind in LOWER else "below it"
             label = words.whole(asked).replace("<=", "≤").replace(">=", "≥")
-            label = label.replace("standard deviations", "sigma")
             entries.append((Line2D([], [], color=color, linestyle=dash), _two_lines(label, side)))
         axes.plot(chip.focal_px, pick.baseline_m * 1e3, **_STAR)  # type: ignore[arg-type]
         entries.append((Line2D([], [], linestyle="", **_STAR), "recommended"))  # type: ignore[arg-type]
@@ -89,7 +91,7 @@ def region_figure(design: Design, pick: Candidate) -> Figure:
         style.plain_axis(axes, "y", low_mm, high_mm, "log", 8)
         axes.set_xlabel("focal length, px", labelpad=2)
         axes.set_ylabel("baseline, mm")
-        style.legend(figure, entries, _LEFT + _WIDTH + 0.12, _BOTTOM + _HEIGHT)
+        style.legend(figure, entries, _LEFT + _WIDTH + 0.12, _BOTTOM + height)
     return figure
 
 
@@ -155,11 +157,13 @@ def plan_figure(design: Design, pick: Candidate, proofs: Sequence[Proof]) -> Fig
     proof = next((p for p in proofs if p.candidate == pick and p.result is not None), None)
     if proof is not None and proof.result is not None:
         show = proof.result.showcase
+        # one point more, at the far end: the scene may end before it
+        end = np.array([[pick.baseline_m / 2, 0.0, spec.far_m]])
         figure = topdown_figure(
             show.rig,
-            show.points_left,
-            visible=show.visible,
-            depth_error_m=show.depth_rmse_m,
+            np.concatenate([show.points_left, end]),
+            visible=np.append(show.visible, True),
+            depth_error_m=np.append(show.depth_rmse_m, pick.far_error_m),
             noise=show.noise,
         )
     else:
@@ -190,7 +194,7 @@ def plan_figure(design: Design, pick: Candidate, proofs: Sequence[Proof]) -> Fig
                 color=style.INK,
                 fontsize=9,
                 ha="center",
-                va="bottom",
+                va="top",
                 path_effects=style.HALO,
                 zorder=6,
             )

@@ -39,7 +39,7 @@ def value(requirement: Requirement, amount: float, digits: int = 4) -> str:
         case "pixels":
             return f"{amount / 1e6:.{digits}g} MP"
         case _:
-            return f"{amount:.{digits}g} standard deviations"
+            return f"{amount:.{digits}g} sigma"
 
 
 def name(requirement: Requirement) -> str:

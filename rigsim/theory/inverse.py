@@ -242,7 +242,7 @@ def relaxations(
 
     Returns:
         The least relaxation of each requirement that can do it alone, over all cameras, and of the noise;
-        least change first. Empty when two requirements would have to give.
+        least change first, the noise last among equals. Empty when two requirements would have to give.
 
     Raises:
         InvalidRange: the noise is not positive.
@@ -252,7 +252,7 @@ def relaxations(
         for place, found in _relax(camera, requirements, noise_px):
             if place not in best or found.factor < best[place].factor:
                 best[place] = found
-    return tuple(sorted(best.values(), key=lambda found: found.factor))
+    return tuple(sorted(best.values(), key=lambda found: (round(found.factor, 9), not found.requirement)))
 
 
 def _relax(
