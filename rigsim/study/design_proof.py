@@ -10,18 +10,19 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rigsim.errors import InvalidScene
 from rigsim.rig.arrays import Array
-from rigsim.sim.simulator import Simulator
 from rigsim.study import design_words as words
 from rigsim.study.design import Candidate, Design
-from rigsim.study.plan import Plan
-from rigsim.study.result import SweepResult
-from rigsim.study.sweep import sweep
 from rigsim.theory.inverse import Requirement
+
+if TYPE_CHECKING:
+    from rigsim.study.plan import Plan
+    from rigsim.study.result import SweepResult
 
 ATTEMPTS = 3
 """Candidates that are tried before giving up."""
@@ -92,6 +93,9 @@ def prove(design: Design, plan: Plan, attempts: int = ATTEMPTS) -> tuple[Proof, 
 
 
 def _prove(candidate: Candidate, design: Design, plan: Plan) -> Proof:
+    from rigsim.sim.simulator import Simulator  # heavy, and the formulas alone need none of it
+    from rigsim.study.sweep import sweep
+
     try:
         result = sweep([candidate.rig], plan)
     except InvalidScene as error:
