@@ -11,11 +11,15 @@ import typer
 
 from rigsim._version import __version__
 from rigsim.cli import calc
+from rigsim.cli.design import design
 from rigsim.cli.doctor import doctor
+from rigsim.cli.infer import infer
 from rigsim.cli.measure import measure
+from rigsim.cli.presets import presets
 from rigsim.cli.render import render
 from rigsim.cli.scenes import scenes
 from rigsim.cli.sweep import sweep
+from rigsim.cli.tolerance import tolerance
 from rigsim.errors import InvalidRange, RigsimError
 
 app = typer.Typer(
@@ -28,9 +32,13 @@ app = typer.Typer(
 )
 app.command()(sweep)
 app.add_typer(calc.app)
+app.command()(tolerance)
 app.command()(render)
+app.command()(design)
 app.command()(measure)
+app.command()(infer)
 app.command()(scenes)
+app.command()(presets)
 app.command()(doctor)
 
 

@@ -1,10 +1,12 @@
-"""Rigs by name: the one each bundled scene is made for."""
+"""Rigs by name: the one each bundled scene is made for, and cameras one can buy."""
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 from rigsim.errors import InvalidScene
+from rigsim.rig.commercial import CAMERAS, Camera, Figure, first
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
 
@@ -21,6 +23,12 @@ class Preset:
     """What it is for, one line."""
     source: str
     """Where the numbers come from."""
+    figures: tuple[Figure, ...] = ()
+    """What is published of it, number by number; empty for a scene's rig."""
+
+    def first(self, quantity: str) -> float | None:
+        """The published figure of `quantity` that counts, as ``min_depth_mm``; None where there is none."""
+        return first(self.figures, quantity)
 
 
 def _preset(
@@ -28,6 +36,22 @@ def _preset(
 ) -> Preset:
     rig = StereoRig.rectified(Intrinsics.from_focal(width, height, focal_px), baseline_m)
     return Preset(name, rig, about, source)
+
+
+def _bought(camera: Camera) -> Preset:
+    """The rectified rig that the camera's first figures describe."""
+    width, height, baseline_mm = (
+        first(camera.figures, quantity) or 0.0 for quantity in ("width_px", "height_px", "baseline_mm")
+    )
+    focal_px = first(camera.figures, "focal_px")
+    if focal_px is None:
+        lens = Intrinsics.from_hfov(int(width), int(height), first(camera.figures, "hfov_deg") or 0.0)
+    else:
+        lens = Intrinsics.from_focal(int(width), int(height), focal_px)
+    source = "published figures; rigsim presets " + camera.name
+    return Preset(
+        camera.name, StereoRig.rectified(lens, baseline_mm / 1e3), camera.about, source, camera.figures
+    )
 
 
 PRESETS: dict[str, Preset] = {
@@ -54,18 +78,22 @@ PRESETS: dict[str, Preset] = {
         ),
         _preset("corridor", 1280, 720, 1000.0, 0.300, "mobile robot looking down a corridor"),
         _preset("bin", 1280, 960, 1100.0, 0.060, "bin picking from above"),
+        *(_bought(camera) for camera in CAMERAS),
     )
 }
 """Every preset by its name."""
 
 
 def preset(name: str) -> Preset:
-    """The preset called `name`.
+    """The preset called `name`, in any case; ``OAK-D Lite`` and ``RealSense D435`` are understood too.
 
     Raises:
         InvalidScene: no preset has that name; the message lists those that exist.
     """
+    plain = re.sub(r"[\s_]+", "-", name.strip().lower())
+    for maker in ("intel-", "realsense-", "luxonis-", "stereolabs-"):
+        plain = plain.removeprefix(maker)
     try:
-        return PRESETS[name]
+        return PRESETS[plain]
     except KeyError:
         raise InvalidScene(f"unknown preset {name!r}: choose one of {', '.join(PRESETS)}") from None

@@ -1,0 +1,201 @@
+"""`rigsim tolerance`: what must be held how tightly, and how many built rigs are good."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from fractions import Fraction
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from rigsim.cli import quantity
+from rigsim.cli.options import Json, takes_rig
+from rigsim.cli.rigs import DEFAULT_PRESET, RigOptions
+from rigsim.errors import InvalidRange
+
+if TYPE_CHECKING:
+    from rigsim.study.tolerance import Requirement
+
+_ANGLES = {**quantity.HFOV.factors, "arcmin": Fraction(1, 60)}
+_LENGTHS = quantity.BASELINE.factors
+_PIXELS = quantity.NOISE.factors
+_PLAIN = MappingProxyType({"": Fraction(1)})
+_TIMES = MappingProxyType({"us": Fraction(1, 1000), "ms": Fraction(1), "s": Fraction(1000)})
+
+
+def _kind(name: str, unit: str, factors: Mapping[str, Fraction]) -> quantity.Kind:
+    return quantity.Kind(f"tolerance {name}", unit, factors, at_least=0)
+
+
+_KINDS: dict[str, tuple[str, quantity.Kind]] = {
+    "yaw": ("yaw_deg", _kind("yaw", "deg", _ANGLES)),
+    "pitch": ("pitch_deg", _kind("pitch", "deg", _ANGLES)),
+    "roll": ("roll_deg", _kind("roll", "deg", _ANGLES)),
+    "baseline": ("baseline_mm", _kind("baseline", "mm", _LENGTHS)),
+    "axial": ("axial_mm", _kind("axial", "mm", _LENGTHS)),
+    "vertical": ("vertical_mm", _kind("vertical", "mm", _LENGTHS)),
+    "focal": ("right_focal_px", _kind("focal", "px", _PIXELS)),
+    "principal": ("right_cx_px", _kind("principal", "px", _PIXELS)),
+    "k1-right": ("right_k1", _kind("k1-right", "", _PLAIN)),
+    "k1-both": ("both_k1", _kind("k1-both", "", _PLAIN)),
+    "time": ("time_offset_ms", _kind("time", "ms", _TIMES)),
+    "temperature": ("temperature_k", _kind("temperature", "K", {"K": Fraction(1)})),
+}
+_SPEED = quantity.Kind("speed", "m/s", {"m/s": Fraction(1)}, at_least=0)
+_EXPANSION = quantity.Kind("expansion", "ppm", {"ppm": Fraction(1)}, at_least=0)
+_LENGTH = quantity.Kind("known length's std", "mm", _LENGTHS, above=0)
+_DEPTH_ERROR = quantity.Kind("depth error", "mm", _LENGTHS, above=0)
+_PERCENT = re.compile(r"\s*([0-9]*\.?[0-9]+)\s*%\s*")
+_UNIT = re.compile(r"[a-zA-Zµμ%]\s*$")
+
+
+@takes_rig
+def tolerance(
+    options: RigOptions,
+    depth_error: Annotated[
+        str,
+        typer.Option(
+            metavar="ERROR[@DISTANCE]",
+            help="Largest root mean square depth error over the image of one rig: 10mm@3m, 1%; at the far"
+            " end unless said.",
+        ),
+    ] = "1%",
+    depth_range: Annotated[
+        str, typer.Option("--range", metavar="NEAR:FAR", help="Working range: 0.5:3m.")
+    ] = "1:5m",
+    class_name: Annotated[
+        str, typer.Option("--class", metavar="NAME", help="printed, machined, calibrated, or none.")
+    ] = "machined",
+    tolerance: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=VALUE",
+            help="One tolerance, in place of the class's: yaw, pitch, roll (deg), baseline, axial, vertical"
+            " (mm), focal, principal (px), k1-right, k1-both, time (ms), temperature (K). Repeatable.",
+        ),
+    ] = None,
+    distribution: Annotated[
+        str, typer.Option(help="normal: tolerances are standard deviations; uniform: bounds, +-.")
+    ] = "normal",
+    speed: Annotated[str, typer.Option(metavar="M/S", help="Object's speed, for a time offset.")] = "1",
+    expansion: Annotated[
+        str, typer.Option(metavar="PPM", help="Expansion of the bar, ppm/K, for a temperature.")
+    ] = "23",
+    recalibrate: Annotated[
+        bool, typer.Option(help="Recalibrate each rig on epipolar errors and one known length as well.")
+    ] = True,
+    noise: Annotated[
+        str, typer.Option(metavar="PX", help="Noise per pixel coordinate of one calibration picture.")
+    ] = "0.25",
+    length_std: Annotated[
+        str, typer.Option(metavar="LENGTH", help="Standard deviation of the known length.")
+    ] = "0.1mm",
+    rigs: Annotated[int, typer.Option(metavar="N", help="Rigs to build.")] = 10_000,
+    points: Annotated[int, typer.Option(metavar="N", help="Points each is judged by.")] = 500,
+    seed: Annotated[int, typer.Option(min=0, help="Of the random numbers.")] = 0,
+    out: Annotated[Path | None, typer.Option(help="Folder for tolerance.csv, .json and .png.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
+    as_json: Json = False,
+) -> None:
+    """Rank a rig's tolerances by what they do to the depth, and count the built rigs that are good.
+
+    Pixel noise is no part of it: the depth error here is what misalignment alone leaves.
+    """
+    near_m, far_m = _range(depth_range)
+    required = _requirement(depth_error, far_m)
+    from rigsim.interop import folder
+
+    if out is not None:
+        folder.check_output(out, force)
+    rig = options.single(DEFAULT_PRESET)
+
+    from rigsim.study.tolerance import CLASSES, Tolerances, with_values
+    from rigsim.study.tolerance_yield import Recalibration, run_tolerance
+
+    if class_name not in (*CLASSES, "none"):
+        raise InvalidRange(f"class {class_name!r}: choose one of {', '.join(CLASSES)}, none")
+    base = Tolerances() if class_name == "none" else CLASSES[class_name].tolerances(rig)
+    given = with_values(
+        base,
+        {
+            **_values(tolerance or []),
+            "distribution": distribution,
+            "speed_m_s": quantity.value(speed, _SPEED),
+            "expansion_per_k": quantity.value(expansion, _EXPANSION) * 1e-6,
+        },
+    )
+    compensator = Recalibration(
+        noise_px=quantity.value(noise, quantity.NOISE), length_std_mm=quantity.value(length_std, _LENGTH)
+    )
+    result = run_tolerance(
+        rig,
+        given,
+        required,
+        (near_m, far_m),
+        recalibration=compensator if recalibrate else None,
+        n_rigs=rigs,
+        n_points=points,
+        seed=seed,
+    )
+
+    from rigsim.study.tolerance_document import tolerance_document, tolerance_table
+
+    document = tolerance_document(result)
+    if out is not None:
+        from rigsim.interop.tables import csv_bytes, json_bytes
+        from rigsim.present.tolerance import tolerance_png
+
+        files = {
+            "tolerance.csv": csv_bytes(tolerance_table(result)),
+            "tolerance.json": json_bytes(document),
+            "tolerance.png": tolerance_png(result),
+        }
+        folder.write_folder(out, files, force)
+    if as_json:
+        typer.echo(json.dumps(document, indent=2, ensure_ascii=False))
+    else:
+        from rigsim.present.tolerance import print_tolerance
+
+        print_tolerance(result, out)
+
+
+def _values(words: list[str]) -> dict[str, float]:
+    found: dict[str, float] = {}
+    for word in words:
+        name, equals, text = word.partition("=")
+        if name.strip() not in _KINDS:
+            raise InvalidRange(f"tolerance {name.strip() or 'empty'!r}: choose one of {', '.join(_KINDS)}")
+        if not equals:
+            raise InvalidRange(f"tolerance {name.strip()}: must be NAME=VALUE, as in yaw=0.05deg")
+        key, kind = _KINDS[name.strip()]
+        if key in found:
+            raise InvalidRange(f"tolerance {name.strip()}: given twice; remove one")
+        found[key] = quantity.value(text, kind)
+    return found
+
+
+def _range(text: str) -> tuple[float, float]:
+    if not _UNIT.search(text):
+        raise InvalidRange(f"range {text or 'empty'}: m or mm? Write the unit, as in 0.5:3m")
+    near_mm, far_mm = quantity.span(text, quantity.DEPTH)
+    return near_mm / 1e3, far_mm / 1e3
+
+
+def _requirement(text: str, far_m: float) -> Requirement:
+    from rigsim.study.tolerance import Requirement
+
+    what, at, where = text.partition("@")
+    for part in (what, where) if at else (what,):
+        if not _UNIT.search(part):
+            raise InvalidRange(f"depth error {text or 'empty'}: of what unit? Write it, as in 10mm@3m or 1%")
+    depth_m = quantity.value(where.strip(), quantity.DEPTH) / 1e3 if at else far_m
+    share = _PERCENT.fullmatch(what)
+    if share is None:
+        return Requirement(quantity.value(what.strip(), _DEPTH_ERROR) / 1e3, depth_m)
+    if not float(share[1]) < 100:
+        raise InvalidRange(f"depth error {what.strip()}: must be < 100 %")
+    return Requirement(float(share[1]) / 100 * depth_m, depth_m)

@@ -1,0 +1,221 @@
+"""Plots of a design: the feasible region, the Pareto front, and the pick from above."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
+
+from rigsim.present import style
+from rigsim.present.format import plain
+from rigsim.present.topdown import topdown_figure
+from rigsim.rig.noise import PixelNoise
+from rigsim.study import design_words as words
+from rigsim.study.design import Candidate, Design
+from rigsim.study.design_proof import Proof
+from rigsim.theory.inverse import GATES, LOWER, Camera, baseline_interval
+
+_LEFT, _BOTTOM, _WIDTH, _HEIGHT = 0.75, 0.6, 4.2, 3.5
+_DASHES: tuple[Literal["-", "--", "-.", ":"], ...] = ("-", "--", "-.", ":")
+_SPAN = 2.0  # the region is drawn for focal lengths within this factor of the pick's
+
+
+def region_figure(design: Design, pick: Candidate) -> Figure:
+    """Baselines against focal lengths for the pick's image size, with each requirement's line."""
+    spec, chip = design.specification, pick.camera
+    f = np.geomspace(chip.focal_px / _SPAN, chip.focal_px * _SPAN, 241)
+    cameras = [Camera(chip.width_px, chip.height_px, float(focal)) for focal in f]
+    intervals = [baseline_interval(camera, spec.requirements, spec.noise_px) for camera in cameras]
+    low_mm = pick.interval.lower.baseline_m * 1e3 / 2.5
+    high_mm = max(pick.interval.upper.baseline_m, pick.baseline_m) * 1e3 * 2.5
+    B = np.geomspace(low_mm, high_mm, 241)
+    error = spec.far_m**2 * spec.disparity_std_px / (f[None, :] * B[:, None] / 1e3) * 1e3
+    allowed = np.array(
+        [
+            (not i.failed) & (i.lower.baseline_m * 1e3 <= B) & (i.upper.baseline_m * 1e3 >= B)
+            for i in intervals
+        ]
+    ).T
+    height = max(
+        _HEIGHT, 2.15 + 0.33 * len(spec.requirements)
+    )  # colour bar and legend stand above each other
+    with style.styled():
+        figure = style.new_figure(style.PAGE_WIDTH_IN, _BOTTOM + height + 0.35)
+        axes = style.place(figure, _LEFT, _BOTTOM, _WIDTH, height)
+        axes.grid(False)
+        axes.set_title(f"Feasible rigs with {chip.width_px}x{chip.height_px} px", pad=8)
+        shown = np.ma.masked_where(~allowed, error)
+        norm = LogNorm(*_ends(np.asarray(error[allowed]) if allowed.any() else error))
+        mesh = axes.pcolormesh(
+            f, B, shown, cmap=style.heat_map(), norm=norm, shading="nearest", rasterized=True
+        )
+        bar_axes = style.place(figure, _LEFT + _WIDTH + 0.12, _BOTTOM, 0.13, 1.5)
+        bar = figure.colorbar(mesh, cax=bar_axes)
+        bar.set_label("depth error at\nthe far end, mm")
+        bar_axes.grid(False)
+        ends = _ends(error[allowed])
+        ticks = style.nice_levels(*ends)
+        if len(ticks) < 3:
+            ticks = list(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]).tick_values(*ends))
+        bar_axes.yaxis.set_major_locator(FixedLocator([t for t in ticks if ends[0] <= t <= ends[1]]))
+        bar_axes.yaxis.set_minor_locator(NullLocator())
+        bar_axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: plain(value, 4)))
+        entries: list[tuple[Artist, str]] = []
+        for place, asked in enumerate(spec.requirements):
+            color, dash = style.LINES[place % len(style.LINES)], _DASHES[place % len(_DASHES)]
+            if asked.kind == "pixels":
+                continue
+            if asked.kind == "fov":
+                widest = chip.width_px / 2 / math.tan(asked.limit / 2)
+                axes.axvline(widest, color=color, linestyle=dash)
+            else:
+                line = [asked.baseline_m(camera, spec.disparity_std_px) * 1e3 for camera in cameras]
+                if max(line) < low_mm or min(line) > high_mm:
+                    continue  # nowhere near
+                axes.plot(f, line, color=color, linestyle=dash)
+            side = "left of it" if asked.kind in GATES else "above it" if asked.kind in LOWER else "below it"
+            label = words.whole(asked).replace("<=", "≤").replace(">=", "≥")
+            entries.append((Line2D([], [], color=color, linestyle=dash), _two_lines(label, side)))
+        axes.plot(chip.focal_px, pick.baseline_m * 1e3, **_STAR)  # type: ignore[arg-type]
+        entries.append((Line2D([], [], linestyle="", **_STAR), "recommended"))  # type: ignore[arg-type]
+        entries.append((Patch(facecolor="white", edgecolor=style.GREY), "white: not feasible"))
+        style.plain_axis(axes, "x", float(f[0]), float(f[-1]), "log")
+        style.plain_axis(axes, "y", low_mm, high_mm, "log", 8)
+        axes.set_xlabel("focal length, px", labelpad=2)
+        axes.set_ylabel("baseline, mm")
+        style.legend(figure, entries, _LEFT + _WIDTH + 0.12, _BOTTOM + height)
+    return figure
+
+
+def pareto_figure(design: Design, pick: Candidate) -> Figure:
+    """Depth error at the far end against baseline; colour is the field of view, size the pixels."""
+    with style.styled():
+        figure = style.new_figure(style.PAGE_WIDTH_IN, _BOTTOM + _HEIGHT + 0.35)
+        axes = style.place(figure, _LEFT, _BOTTOM, _WIDTH, _HEIGHT)
+        axes.set_title("What is to be had for what", pad=8)
+        beaten = [c for c in design.candidates if c not in design.pareto]
+        for candidates, filled in ((beaten, False), (design.pareto, True)):
+            if candidates:
+                x = [c.baseline_m * 1e3 for c in candidates]
+                y = [c.far_error_m * 1e3 for c in candidates]
+                sizes = [14 + 22 * c.camera.pixels / 1e6 for c in candidates]
+                if filled:
+                    color = [math.degrees(c.camera.hfov_rad) for c in candidates]
+                    marks = axes.scatter(
+                        x,
+                        y,
+                        s=sizes,
+                        c=color,
+                        cmap=style.heat_map(),
+                        edgecolors="white",
+                        linewidths=0.6,
+                        zorder=3,
+                    )
+                else:
+                    axes.scatter(x, y, s=sizes, facecolors="none", edgecolors=style.GREY, zorder=2)
+        axes.plot(pick.baseline_m * 1e3, pick.far_error_m * 1e3, **_STAR)  # type: ignore[arg-type]
+        bar_axes = style.place(figure, _LEFT + _WIDTH + 0.12, _BOTTOM, 0.13, 1.5)
+        figure.colorbar(marks, cax=bar_axes).set_label("field of view, °")
+        bar_axes.grid(False)
+        b = np.array([c.baseline_m * 1e3 for c in design.candidates])
+        e = np.array([c.far_error_m * 1e3 for c in design.candidates])
+        for which, values in (("x", b), ("y", e)):
+            low, high = float(values.min()) / 1.15, float(values.max()) * 1.15
+            style.plain_axis(axes, which, low, high, style.scale_of(values, 4))  # type: ignore[arg-type]
+        axes.set_xlabel("baseline, mm", labelpad=2)
+        axes.set_ylabel("depth error at the far end, mm")
+        entries: list[tuple[Artist, str]] = [
+            (Line2D([], [], linestyle="", **_STAR), "recommended"),  # type: ignore[arg-type]
+            (Line2D([], [], linestyle="", marker="o", color=style.BLUE), "no other beats it\nin every way"),
+            (
+                Line2D([], [], linestyle="", marker="o", markerfacecolor="none", markeredgecolor=style.GREY),
+                "feasible, beaten",
+            ),
+            *(
+                (
+                    Line2D([], [], linestyle="", marker="o", color=style.LIGHT_GREY, markersize=size**0.5),
+                    f"{mp} MP",
+                )
+                for mp, size in ((1, 36), (5, 124))
+            ),
+        ]
+        style.legend(figure, entries, _LEFT + _WIDTH + 0.12, _BOTTOM + _HEIGHT)
+    return figure
+
+
+def plan_figure(design: Design, pick: Candidate, proofs: Sequence[Proof]) -> Figure:
+    """The pick from above, with the points of its proof, the working range, and the coverage asked for."""
+    spec = design.specification
+    proof = next((p for p in proofs if p.candidate == pick and p.result is not None), None)
+    if proof is not None and proof.result is not None:
+        show = proof.result.showcase
+        # one point more, at the far end: the scene may end before it
+        end = np.array([[pick.baseline_m / 2, 0.0, spec.far_m]])
+        figure = topdown_figure(
+            show.rig,
+            np.concatenate([show.points_left, end]),
+            visible=np.append(show.visible, True),
+            depth_error_m=np.append(show.depth_rmse_m, pick.far_error_m),
+            noise=show.noise,
+        )
+    else:
+        ends = [[pick.baseline_m / 2, 0.0, spec.near_m], [pick.baseline_m / 2, 0.0, spec.far_m]]
+        figure = topdown_figure(pick.rig, ends, noise=PixelNoise(spec.noise_px))
+    axes = figure.axes[0]
+    for depth_m, name in ((spec.near_m, "near end"), (spec.far_m, "far end")):
+        axes.axhline(depth_m, color=style.PURPLE, linestyle="--", linewidth=1.2, zorder=4)
+        x_low, x_high = axes.get_xlim()
+        axes.text(
+            x_low + 0.015 * (x_high - x_low),
+            depth_m,
+            name,
+            color=style.PURPLE,
+            fontsize=9,
+            va="bottom" if depth_m == spec.near_m else "top",
+            path_effects=style.HALO,
+            zorder=6,
+        )
+    for asked in spec.requirements:
+        if asked.kind == "cover":
+            half = asked.limit / 2
+            axes.plot([-half, half], [asked.depth_m] * 2, color=style.ORANGE, linewidth=4, zorder=5)
+            axes.text(
+                0.0,
+                asked.depth_m,
+                "coverage asked for",
+                color=style.INK,
+                fontsize=9,
+                ha="center",
+                va="top",
+                path_effects=style.HALO,
+                zorder=6,
+            )
+    return figure
+
+
+_STAR: dict[str, object] = {
+    "marker": "*",
+    "markersize": 15,
+    "color": style.ORANGE,
+    "markeredgecolor": style.INK,
+    "zorder": 7,
+}
+
+
+def _ends(values: np.typing.NDArray[np.float64]) -> tuple[float, float]:
+    low, high = float(values.min()), float(values.max())
+    return (low, high) if high > 1.001 * low else (0.9 * low, 1.1 * high)
+
+
+def _two_lines(label: str, side: str) -> str:
+    """A legend entry that fits beside the plot."""
+    name, sign, limit = label.partition(" ≤ " if " ≤ " in label else " ≥ ")
+    return f"{name}\n{sign.strip()} {limit}: {side}"

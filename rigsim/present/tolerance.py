@@ -1,0 +1,138 @@
+"""A tolerance study for people: the table in a terminal, and one picture."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from rigsim.present.console import make_console, print_table
+from rigsim.present.format import MISSING, number, percent, plain
+from rigsim.study.tolerance import QUANTITIES, UNITS
+from rigsim.study.tolerance_document import percentile_mm
+from rigsim.study.tolerance_yield import ToleranceResult
+
+_HEIGHT_IN = 3.6
+
+
+def print_tolerance(result: ToleranceResult, folder: Path | None = None) -> None:
+    """Print the ranked table, the built rigs at each depth, and how many meet the requirement."""
+    judged = f"{plain(result.required.depth_m)} m"
+    form = "±" if result.tolerances.distribution == "uniform" else "std"
+    print_table(
+        f"Each quantity alone: depth error, mm, first order; what it takes for"
+        f" {plain(result.required.error_m * 1e3)} mm at {judged}",
+        (
+            "quantity",
+            form,
+            *(f"at\n{plain(item.depth_m)} m" for item in result.depths),
+            f"common\nat {judged}",
+            "differs\nby place",
+            "share\n%",
+            "needed\nalone",
+            "equal\nshares",
+            "unit",
+        ),
+        [
+            (
+                QUANTITIES[item.key],
+                number(item.tolerance),
+                *(number(value) for value in item.depth_rms_mm),
+                number(item.common_mm),
+                number(item.differing_mm),
+                percent(item.share) if item.share > 1e-12 else "0",
+                "any" if math.isinf(item.needed_alone) else number(item.needed_alone),
+                "any" if math.isinf(item.needed_equal_share) else number(item.needed_equal_share),
+                UNITS[item.key],
+            )
+            for item in result.sensitivities
+        ],
+        numeric=(False, *[True] * (7 + len(result.depths) - 1), False),
+    )
+    print_table(
+        f"{result.n_rigs} rigs built within tolerance: depth error over the image, mm",
+        (
+            "distance\nm",
+            "first\norder",
+            "simulated\nrms",
+            "median\nrig",
+            "95 of 100\nrigs under",
+            "median re-\ncalibrated",
+            "95 of 100\nunder",
+            "first order",
+        ),
+        [
+            (
+                plain(item.depth_m),
+                number(item.first_order_mm),
+                number(item.rms_mm),
+                *(number(percentile_mm(item.per_rig_mm, level)) for level in (50, 95)),
+                *(
+                    MISSING
+                    if item.after_per_rig_mm is None
+                    else number(percentile_mm(item.after_per_rig_mm, level))
+                    for level in (50, 95)
+                ),
+                "flagged: do not trust" if item.parts else "holds",
+            )
+            for item in result.depths
+        ],
+        numeric=(*[True] * 7, False),
+    )
+    console = make_console()
+    says = f"{percent(result.yield_before)} % of the rigs meet the requirement as built"
+    if result.yield_after is not None:
+        says += f", {percent(result.yield_after)} % after recalibration"
+    console.print(says + ".")
+    if folder is not None:
+        console.print(f"Files: {folder}", soft_wrap=True)
+
+
+def tolerance_png(result: ToleranceResult) -> bytes:
+    """PNG: what each quantity does, and the share of rigs under each depth error."""
+    from rigsim.present import style
+
+    with style.styled():
+        figure = style.new_figure(style.PAGE_WIDTH_IN, _HEIGHT_IN)
+        bars = style.place(figure, 1.45, 0.6, 2.1, 2.5)
+        rows = [item for item in result.sensitivities if item.share > 1e-12][::-1]
+        place = np.arange(len(rows))
+        common = np.array([abs(item.common_mm) for item in rows])
+        bars.barh(place + 0.2, common, 0.38, color=style.BLUE, label="common")
+        bars.barh(
+            place - 0.2,
+            [item.differing_mm for item in rows],
+            0.38,
+            color=style.ORANGE,
+            label="differs by place",
+        )
+        bars.set_yticks(place, [QUANTITIES[item.key] for item in rows])
+        bars.grid(visible=False, axis="y")
+        at = f"{plain(result.required.depth_m)} m"
+        bars.set_xlabel(f"depth error at {at}, mm")
+        bars.set_title("Each alone, first order")
+        bars.legend(loc="lower right")
+
+        shares = style.place(figure, 4.35, 0.6, 2.65, 2.5)
+        curves = [("as built", result.judged.per_rig_mm, style.VERMILION)]
+        if result.judged.after_per_rig_mm is not None:
+            curves.append(("recalibrated", result.judged.after_per_rig_mm, style.GREEN))
+        for label, errors, colour in curves:
+            errors_mm = np.sort(errors)
+            # rigs that lose a point never come under any bound
+            seen = errors_mm[np.isfinite(errors_mm) & (errors_mm > 0)]
+            level = 100 * np.arange(1, len(seen) + 1) / len(errors_mm)
+            shares.plot(seen, level, color=colour, label=label)
+        bound_mm = result.required.error_m * 1e3
+        shares.axvline(bound_mm, color=style.INK, linestyle="--", linewidth=1.0, label="required")
+        finite = np.concatenate([errors[np.isfinite(errors) & (errors > 0)] for _, errors, _ in curves])
+        ends = np.percentile(finite, (1, 99)) if len(finite) else np.array([bound_mm, bound_mm])
+        low, high = min(float(ends[0]), bound_mm / 2), max(float(ends[1]), bound_mm * 2)
+        style.plain_axis(shares, "x", low, high, style.scale_of(np.array([low, high])), max_ticks=5)
+        shares.set_ylim(0, 101)
+        shares.set_xlabel(f"depth error at {at}, mm")
+        shares.set_ylabel("rigs under it, %")
+        shares.set_title("Built rigs")
+        shares.legend(loc="lower right" if not len(curves) > 1 else "center right")
+    return style.to_png(figure)

@@ -1,0 +1,85 @@
+"""Requirements and their values as a person says them."""
+
+from __future__ import annotations
+
+import math
+
+from rigsim.theory.inverse import P95_OVER_STD, Camera, Relaxation, Requirement
+
+
+def rounded(value: float, up: bool, digits: int = 3) -> float:
+    """`value` with `digits` significant digits, rounded up or down."""
+    if value == 0 or not math.isfinite(value):
+        return value
+    scale = 10.0 ** (digits - 1 - math.floor(math.log10(abs(value))))
+    return (math.ceil if up else math.floor)(value * scale * (1 - 1e-12 if up else 1 + 1e-12)) / scale
+
+
+def distance(depth_m: float) -> str:
+    """A distance in m."""
+    return f"{depth_m:.4g} m"
+
+
+def size(length_m: float, digits: int = 3) -> str:
+    """A length in mm, or in m from 1 m on."""
+    return f"{length_m:.{digits}g} m" if abs(length_m) >= 1 else f"{length_m * 1e3:.{digits}g} mm"
+
+
+def value(requirement: Requirement, amount: float, digits: int = 4) -> str:
+    """A value of the requirement's limit with its unit."""
+    match requirement.kind:
+        case "depth_error" | "cover" | "max_baseline":
+            return size(amount, digits)
+        case "max_disparity":
+            return f"{amount:.{digits}g} px"
+        case "overlap":
+            return f"{amount * 100:.{digits}g} %"
+        case "fov":
+            return f"{math.degrees(amount):.{digits}g}°"
+        case "pixels":
+            return f"{amount / 1e6:.{digits}g} MP"
+        case _:
+            return f"{amount:.{digits}g} sigma"
+
+
+def name(requirement: Requirement) -> str:
+    """What a requirement speaks of: ``depth error at 3 m``."""
+    at = f" at {distance(requirement.depth_m)}" if requirement.depth_m > 0 else ""
+    if requirement.kind == "depth_error":
+        return ("p95 depth error" if requirement.per_std == P95_OVER_STD else "depth error") + at
+    return {
+        "far_disparity": "disparity over its noise",
+        "max_disparity": "disparity search",
+        "overlap": "overlap",
+        "cover": "coverage",
+        "max_baseline": "baseline limit",
+        "fov": "field of view",
+        "pixels": "image size",
+    }[requirement.kind] + at
+
+
+def whole(requirement: Requirement | None) -> str:
+    """A requirement with its limit: ``depth error at 3 m <= 10 mm``."""
+    if requirement is None:
+        return "nothing"
+    sign = ">=" if requirement.at_least else "<="
+    return f"{name(requirement)} {sign} {value(requirement, requirement.limit)}"
+
+
+def camera(which: Camera) -> str:
+    """A camera in a few words."""
+    lens = f"{which.name}, " if which.name else ""
+    return (
+        f"{lens}{which.width_px}x{which.height_px} px, focal length {which.focal_px:.4g} px, "
+        f"{math.degrees(which.hfov_rad):.3g}° wide"
+    )
+
+
+def relaxation(found: Relaxation, noise_px: float) -> str:
+    """One way out: ``disparity search at 0.5 m from 128 px to 637 px``; rounded to the safe side."""
+    asked = found.requirement
+    if asked is None:
+        return f"noise from {noise_px:.4g} px to {rounded(found.needed, up=False):.4g} px"
+    scale = math.degrees(1) if asked.kind == "fov" else 1.0
+    needed = rounded(found.needed * scale, up=not asked.at_least) / scale
+    return f"{name(asked)} from {value(asked, asked.limit)} to {value(asked, needed)}"

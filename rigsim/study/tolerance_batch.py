@@ -1,0 +1,212 @@
+"""Many rigs at once, each a little different from one assumed rig: projection, epipolar error, triangulation.
+
+What `Perturbation.apply`, `StereoRig.project` and `optimal` do for one rig, as arrays (n rigs, m points).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rigsim.rig.arrays import Array
+from rigsim.rig.distortion import BrownConrady
+from rigsim.rig.perturbation import NAMES
+from rigsim.rig.stereo import StereoRig
+
+_PIXELS = 2
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rays:
+    """Both ideal image positions (x/z, y/z) of observed points as the assumed rig reads them, (n, m)."""
+
+    left: tuple[Array, Array]
+    """Left camera."""
+    right: tuple[Array, Array]
+    """Right camera."""
+
+
+class RigBatch:
+    """`rig` changed by each row of `thetas` (n, 10), the quantities of `Perturbation` in their order.
+
+    Everything is (n, m): n rigs, m points.
+    """
+
+    def __init__(self, rig: StereoRig, thetas: Array) -> None:
+        value = dict(zip(NAMES, np.asarray(thetas, dtype=np.float64).T, strict=True))
+        self.rig = rig
+        left_from_right = rig.right_from_left.inverse
+        along = left_from_right.t / rig.baseline_m
+        centers = left_from_right.t + value["baseline_m"][:, None] * along
+        centers[:, 1] += value["vertical_m"]
+        centers[:, 2] += value["axial_m"]
+        turns = _rotations(np.stack([value["pitch_rad"], value["yaw_rad"], value["roll_rad"]], axis=1))
+        self.R = (left_from_right.R @ turns).transpose(0, 2, 1)
+        self.t = -np.einsum("nij,nj->ni", self.R, centers)
+        self.fx = rig.right.fx + value["right_focal_px"][:, None]
+        self.fy = rig.right.fy + value["right_focal_px"][:, None]
+        self.cx = rig.right.cx + value["right_cx_px"][:, None]
+        self._d_left = rig.left.distortion or BrownConrady()
+        self._d_right = rig.right.distortion or BrownConrady()
+        self._k1_left = self._d_left.k1 + value["both_k1"][:, None]
+        self._k1_right = self._d_right.k1 + (value["both_k1"] + value["right_k1"])[:, None]
+        self._distorts_left = rig.left.distortion is not None or bool(self._k1_left.any())
+        self._distorts_right = rig.right.distortion is not None or bool(self._k1_right.any())
+
+    def project(self, points_left: Array) -> Array:
+        """Pixels (4, n, m): u, v left, u, v right of points (m, 3) m; NaN behind a camera or past the
+        radius where a lens folds."""
+        left, right = self.rig.left, self.rig.right
+        pixels = np.empty((4, len(self.R), len(points_left)))
+        with np.errstate(all="ignore"):
+            x, y = (points_left[:, :2] / np.where(points_left[:, 2:] > 0, points_left[:, 2:], np.nan)).T
+            if self._distorts_left:
+                x, y = _distort(x[None], y[None], self._k1_left, self._d_left)
+            pixels[0], pixels[1] = left.fx * x + left.cx, left.fy * y + left.cy
+            seen = self.R @ points_left.T
+            seen += self.t[:, :, None]
+            z = seen[:, 2]
+            z[~(z > 0)] = np.nan
+            x, y = seen[:, 0] / z, seen[:, 1] / z
+            if self._distorts_right:
+                x, y = _distort(x, y, self._k1_right, self._d_right)
+            np.add(np.multiply(x, self.fx, out=pixels[2]), self.cx, out=pixels[2])
+            np.add(np.multiply(y, self.fy, out=pixels[3]), right.cy, out=pixels[3])
+        return pixels
+
+    def rays(self, pixels: Array, start: Rays, steps: int = 3) -> Rays:
+        """Ideal positions of `pixels` (4, n, m) as these rigs read them.
+
+        `start` is how rigs with nearly these lenses read them; Newton takes `steps` from there.
+        """
+        return Rays(self.rays_left(pixels, start, steps), self.rays_right(pixels, start, steps))
+
+    def rays_left(self, pixels: Array, start: Rays, steps: int = 3) -> tuple[Array, Array]:
+        """The left half of `rays`."""
+        left = self.rig.left
+        x, y = (pixels[0] - left.cx) / left.fx, (pixels[1] - left.cy) / left.fy
+        if not self._distorts_left:
+            return x, y
+        return _undistort(x, y, start.left, self._k1_left, self._d_left, steps)
+
+    def rays_right(self, pixels: Array, start: Rays, steps: int = 3) -> tuple[Array, Array]:
+        """The right half of `rays`."""
+        x, y = (pixels[2] - self.cx) / self.fx, (pixels[3] - self.rig.right.cy) / self.fy
+        if not self._distorts_right:
+            return x, y
+        return _undistort(x, y, start.right, self._k1_right, self._d_right, steps)
+
+    def epipolar_error_px(self, rays: Rays) -> Array:
+        """Signed distance (n, m) px from the epipolar constraint, to first order (Sampson): its standard
+        deviation is that of one pixel coordinate."""
+        error, gradients = self._epipolar(rays)
+        with np.errstate(all="ignore"):
+            return np.asarray(error / np.sqrt(_squares(gradients)))
+
+    def triangulate(self, rays: Rays) -> tuple[Array, Array, Array]:
+        """X, Y, Z (n, m) m in the left camera's frame; NaN where Z <= 0.
+
+        One step of Lindstrom's (CVPR 2010) towards the nearest pixels whose rays meet, then their
+        intersection: maximum likelihood but for terms of second order in the epipolar error.
+        """
+        left = self.rig.left
+        error, gradients = self._epipolar(rays)
+        with np.errstate(all="ignore"):
+            step = error / _squares(gradients)
+            per_left, per_left_v, per_right, per_right_v = gradients
+            xl, yl = rays.left[0] - step * per_left / left.fx, rays.left[1] - step * per_left_v / left.fy
+            xr = rays.right[0] - step * per_right / self.fx
+            yr = rays.right[1] - step * per_right_v / self.fy
+            R, t = self.R[:, :, :, None], self.t[:, :, None]
+            ax, ay, az = (R[:, i, 0] * xl + R[:, i, 1] * yl + R[:, i, 2] for i in range(3))
+            ex, ey = (xr * az - ax) * self.fx, (yr * az - ay) * self.fy
+            gx, gy = (t[:, 0] - xr * t[:, 2]) * self.fx, (t[:, 1] - yr * t[:, 2]) * self.fy
+            z = (ex * gx + ey * gy) / (ex * ex + ey * ey)
+            z = np.where(z > 0, z, np.nan)
+        return xl * z, yl * z, z
+
+    def _epipolar(self, rays: Rays) -> tuple[Array, tuple[Array, Array, Array, Array]]:
+        """The constraint's value, and its slopes in the four pixels."""
+        (xl, yl), (xr, yr), left = rays.left, rays.right, self.rig.left
+        x, y, z = self.t.T
+        zero = np.zeros_like(x)
+        cross = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).transpose(2, 0, 1)
+        E = (cross @ self.R)[:, :, :, None]
+        with np.errstate(all="ignore"):
+            lx, ly, lw = (E[:, i, 0] * xl + E[:, i, 1] * yl + E[:, i, 2] for i in range(3))
+            mx, my = (E[:, 0, i] * xr + E[:, 1, i] * yr + E[:, 2, i] for i in range(2))
+            error = xr * lx + yr * ly + lw
+            gradients = (mx / left.fx, my / left.fy, lx / self.fx, ly / self.fy)
+        return np.asarray(error), gradients
+
+
+def read_rays(rig: StereoRig, pixels: Array) -> Rays:
+    """Ideal positions of `pixels` (4, n, m) as `rig` itself reads them."""
+    found = []
+    for camera, (u, v) in ((rig.left, pixels[:_PIXELS]), (rig.right, pixels[_PIXELS:])):
+        if camera.distortion is None:
+            found.append(((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy))
+        else:
+            ideal = camera.normalize(np.stack([u, v], axis=-1))
+            found.append((ideal[..., 0], ideal[..., 1]))
+    return Rays(*found)
+
+
+def _squares(values: tuple[Array, ...]) -> Array:
+    total = values[0] * values[0]
+    for value in values[1:]:
+        total = total + value * value
+    return total
+
+
+def _rotations(rotvecs: Array) -> Array:
+    """Rodrigues' formula for rotation vectors (n, 3) rad: (n, 3, 3)."""
+    angle = np.linalg.norm(rotvecs, axis=1)[:, None, None]
+    x, y, z = rotvecs.T
+    k = np.zeros((len(rotvecs), 3, 3))
+    k[:, 0, 1], k[:, 0, 2], k[:, 1, 2] = -z, y, -x
+    k[:, 1, 0], k[:, 2, 0], k[:, 2, 1] = z, -y, x
+    return np.asarray(
+        np.eye(3) + np.sinc(angle / np.pi) * k + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * k @ k
+    )
+
+
+def _distort(x: Array, y: Array, k1: Array, lens: BrownConrady) -> tuple[Array, Array]:
+    """Distorted positions; as `BrownConrady.distort`, with a k1 for every rig."""
+    r2 = x * x + y * y
+    radial = 1 + r2 * (k1 + r2 * (lens.k2 + r2 * lens.k3))
+    falls = 1 + r2 * (3 * k1 + r2 * (5 * lens.k2 + 7 * r2 * lens.k3)) <= 0
+    radial[falls] = np.nan
+    if lens.p1 == lens.p2 == 0.0:
+        return x * radial, y * radial
+    return (
+        x * radial + 2 * lens.p1 * x * y + lens.p2 * (r2 + 2 * x * x),
+        y * radial + lens.p1 * (r2 + 2 * y * y) + 2 * lens.p2 * x * y,
+    )
+
+
+def _undistort(
+    x: Array, y: Array, start: tuple[Array, Array], k1: Array, lens: BrownConrady, steps: int
+) -> tuple[Array, Array]:
+    """Newton from `start`, which a small change of the lens has put off by little."""
+    ideal_x, ideal_y = start
+    for _ in range(steps):
+        with np.errstate(all="ignore"):
+            ideal_x, ideal_y = _newton(x, y, ideal_x, ideal_y, k1, lens)
+    return ideal_x, ideal_y
+
+
+def _newton(
+    x: Array, y: Array, ideal_x: Array, ideal_y: Array, k1: Array, lens: BrownConrady
+) -> tuple[Array, Array]:
+    off_x, off_y = _distort(ideal_x, ideal_y, k1, lens)
+    off_x, off_y = off_x - x, off_y - y
+    r2 = ideal_x * ideal_x + ideal_y * ideal_y
+    radial = 1 + r2 * (k1 + r2 * (lens.k2 + r2 * lens.k3))
+    slope = 2 * (k1 + r2 * (2 * lens.k2 + 3 * r2 * lens.k3))
+    xx = radial + ideal_x * ideal_x * slope + 2 * lens.p1 * ideal_y + 6 * lens.p2 * ideal_x
+    yy = radial + ideal_y * ideal_y * slope + 6 * lens.p1 * ideal_y + 2 * lens.p2 * ideal_x
+    xy = ideal_x * ideal_y * slope + 2 * lens.p1 * ideal_x + 2 * lens.p2 * ideal_y
+    det = xx * yy - xy * xy
+    return ideal_x - (yy * off_x - xy * off_y) / det, ideal_y - (xx * off_y - xy * off_x) / det

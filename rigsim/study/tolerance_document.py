@@ -1,0 +1,97 @@
+"""A tolerance study as a document and as a table; docs/tolerance.md says what each key means."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from rigsim.rig.arrays import Array
+from rigsim.study.tolerance import UNITS
+from rigsim.study.tolerance_yield import DepthErrors, ToleranceResult
+
+
+def tolerance_document(result: ToleranceResult) -> dict[str, Any]:
+    """The study with stable keys and units in their names; null where a number has no bound."""
+    rig, after = result.rig, result.yield_after
+    return {
+        "rig": {
+            "baseline_mm": rig.baseline_m * 1e3,
+            "focal_px": rig.left.fx,
+            "width_px": rig.left.width,
+            "height_px": rig.left.height,
+        },
+        "required": {
+            "depth_error_mm": result.required.error_m * 1e3,
+            "distance_mm": result.required.depth_m * 1e3,
+        },
+        "distribution": result.tolerances.distribution,
+        "rigs": result.n_rigs,
+        "points": result.n_points,
+        "yield": {"as_built": result.yield_before, "recalibrated": after},
+        "quantities": [
+            {
+                "quantity": item.key,
+                "unit": UNITS[item.key],
+                "tolerance": item.tolerance,
+                "depth_error_mm": list(item.depth_rms_mm),
+                "common_mm": item.common_mm,
+                "differing_mm": item.differing_mm,
+                "variance_share": item.share,
+                "needed_alone": _finite(item.needed_alone),
+                "needed_equal_share": _finite(item.needed_equal_share),
+            }
+            for item in result.sensitivities
+        ],
+        "depths": [_depth(item) for item in result.depths],
+    }
+
+
+def tolerance_table(result: ToleranceResult) -> pd.DataFrame:
+    """One row a quantity, the worst first; the columns of docs/tolerance.md."""
+    distances = [item.depth_m * 1e3 for item in result.depths]
+    return pd.DataFrame(
+        [
+            {
+                "quantity": item.key,
+                "unit": UNITS[item.key],
+                "tolerance": item.tolerance,
+                **{
+                    f"depth_error_at_{distance:.10g}_mm": error
+                    for distance, error in zip(distances, item.depth_rms_mm, strict=True)
+                },
+                "common_mm": item.common_mm,
+                "differing_mm": item.differing_mm,
+                "variance_share": item.share,
+                "needed_alone": item.needed_alone,
+                "needed_equal_share": item.needed_equal_share,
+            }
+            for item in result.sensitivities
+        ]
+    ).replace(math.inf, math.nan)
+
+
+def percentile_mm(per_rig_mm: Array, percent: float) -> float:
+    """A percentile over rigs; infinite where that many lose a point."""
+    return float(np.percentile(per_rig_mm, percent, method="higher"))
+
+
+def _depth(item: DepthErrors) -> dict[str, Any]:
+    after = item.after_per_rig_mm
+    return {
+        "distance_mm": item.depth_m * 1e3,
+        "first_order_rms_mm": item.first_order_mm,
+        "simulated_rms_mm": _finite(item.rms_mm),
+        "first_over_simulated": item.first_over_simulated,
+        "flagged": item.parts,
+        "per_rig_p50_mm": _finite(percentile_mm(item.per_rig_mm, 50)),
+        "per_rig_p95_mm": _finite(percentile_mm(item.per_rig_mm, 95)),
+        "recalibrated_p50_mm": None if after is None else _finite(percentile_mm(after, 50)),
+        "recalibrated_p95_mm": None if after is None else _finite(percentile_mm(after, 95)),
+    }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -1,0 +1,306 @@
+"""Tolerances: hand-computed cases, laws, and independent solutions for the batches and the compensator."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from sampling import PLAIN, RIGS, close, points_in_view, rigs
+from scipy.optimize import least_squares
+
+from rigsim.errors import InvalidRange
+from rigsim.rig.arrays import Array
+from rigsim.rig.perturbation import NAMES, Perturbation
+from rigsim.rig.presets import PRESETS
+from rigsim.rig.stereo import StereoRig
+from rigsim.study.tolerance import (
+    CLASSES,
+    QUANTITIES,
+    Requirement,
+    Tolerances,
+    causes,
+    first_order,
+    sensitivities,
+    shared_points,
+)
+from rigsim.study.tolerance_batch import RigBatch, read_rays
+from rigsim.study.tolerance_compensator import Compensator
+from rigsim.study.tolerance_yield import Recalibration, ToleranceResult, draw, make_compensator, run_tolerance
+from rigsim.theory.triangulation import triangulate
+
+RIG = PRESETS["boards"].rig
+STD = np.array([0.005, 0.005, 0.005, 3e-4, 3e-4, 3e-4, 5.0, 5.0, 0.01, 0.01])
+RANGE = (1.0, 5.0)
+
+
+def small_run(tolerances: Tolerances, required: Requirement, **more: object) -> ToleranceResult:
+    words: dict[str, object] = {"n_rigs": 1000, "n_points": 120, **more}
+    return run_tolerance(RIG, tolerances, required, RANGE, **words)  # type: ignore[arg-type]
+
+
+def true_rig(rig: StereoRig, theta: Array) -> StereoRig:
+    return Perturbation(**dict(zip(NAMES, map(float, theta), strict=True))).apply(rig)
+
+
+def test_a_tenth_of_a_degree_of_yaw_is_44_cm_at_5_m() -> None:
+    # B 0.1 m, Z 5 m, on the right camera's axis: Z^2 / B x 0.1 deg = 250 x 0.0017453 = 0.436 m, nearer
+    rig = StereoRig.rectified(PLAIN, 0.1)
+    off = causes(rig, Tolerances(yaw_deg=0.1))
+    close(first_order(rig, off, np.array([[0.1, 0.0, 5.0]])), [[-0.4363]], rtol=1e-4)
+    # built for real, 0.01 deg is a tenth of that: the second order is below a percent
+    theta = np.zeros((1, 10))
+    theta[0, NAMES.index("yaw_rad")] = math.radians(0.01)
+    pixels = RigBatch(rig, theta).project(np.array([[0.1, 0.0, 5.0]]))[:, 0]
+    (found,) = triangulate(rig, pixels[:2].T, pixels[2:].T)
+    assert found[2] - 5.0 == pytest.approx(-0.0436, rel=0.01)
+
+
+def test_tolerances_needed_by_hand() -> None:
+    # Z/B dB = 3/0.12 = 25; Z^2/(f B) dc = 9/108 m/px; both are the same all over the image
+    off = causes(RIG, Tolerances(baseline_mm=0.2, right_cx_px=0.06, vertical_mm=1.0))
+    planes = {depth: shared_points(RIG, depth, 40) for depth in (1.0, 3.0)}
+    by_key = {item.key: item for item in sensitivities(RIG, off, planes, Requirement(0.01, 3.0))}
+    assert list(by_key)[2] == "vertical_mm"
+    baseline, principal = by_key["baseline_mm"], by_key["right_cx_px"]
+    close(baseline.depth_rms_mm, [0.2 / 0.12, 5.0])
+    close([baseline.common_mm, principal.common_mm], [-5.0, 5.0])
+    close([baseline.share, principal.share], [0.5, 0.5])
+    close([baseline.needed_alone, principal.needed_alone], [0.4, 0.12])
+    close([baseline.needed_equal_share, principal.needed_equal_share], np.array([0.4, 0.12]) / math.sqrt(2))
+    assert abs(baseline.differing_mm) < 1e-9
+    # a vertical shift of the right camera moves no depth, and needs no tolerance
+    assert by_key["vertical_mm"].share < 1e-18
+    assert by_key["vertical_mm"].needed_alone == math.inf
+
+
+def test_time_and_temperature_move_the_baseline() -> None:
+    # 2 m/s x 1 ms = 2 mm: Z/B x 2 mm = 50 mm further away; 120 mm x 23e-6 x 10 K = 27.6 um: 0.69 mm nearer
+    off = causes(RIG, Tolerances(time_offset_ms=1.0, temperature_k=10.0, speed_m_s=2.0))
+    close(first_order(RIG, off, np.array([[0.0, 0.1, 3.0]])) * 1e3, [[50.0, -0.69]])
+    # witness: the object is seen 2 mm further right by the right camera
+    point = np.array([[0.0, 0.1, 3.0]])
+    uv_left, _ = RIG.project(point)
+    _, uv_right = RIG.project([[0.002, 0.1, 3.0]])
+    assert triangulate(RIG, uv_left, uv_right)[0, 2] - 3.0 == pytest.approx(0.050, rel=0.02)
+
+
+def test_uniform_bounds_are_sqrt_3_standard_deviations_wide() -> None:
+    off = causes(RIG, Tolerances(yaw_deg=0.3, distribution="uniform"))
+    close(off.std, [0.3 / math.sqrt(3)])
+    drawn = draw(off, "uniform", 2000, np.random.default_rng(0)) * off.std
+    assert 0.299 < np.abs(drawn).max() <= 0.3
+    for distribution in ("uniform", "normal"):
+        close(draw(off, distribution, 2000, np.random.default_rng(0)).std(), 1.0, rtol=5e-3)
+
+
+@pytest.mark.parametrize("kind", RIGS)
+def test_a_batch_is_many_single_rigs(kind: str) -> None:
+    rig, rng = RIGS[kind], np.random.default_rng(3)
+    points, thetas = points_in_view(rig, 30, *RANGE), rng.standard_normal((4, 10)) * STD
+    batch = RigBatch(rig, thetas)
+    pixels = batch.project(points)
+    for i, theta in enumerate(thetas):
+        close(pixels[:, i].T, np.hstack(true_rig(rig, theta).project(points)), rtol=1e-12)
+    rays = batch.rays(pixels, read_rays(rig, pixels))
+    close(
+        np.stack(batch.triangulate(rays), axis=-1), np.broadcast_to(points, (4, 30, 3)), rtol=1e-9, atol=1e-9
+    )
+    assert np.abs(batch.epipolar_error_px(rays)).max() < 1e-8
+
+
+@given(rigs(), st.integers(0, 2**32 - 1))
+def test_batched_triangulation_is_the_optimal_one(rig: StereoRig, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    points = points_in_view(rig, 8, 1.0, 3.0, seed)
+    pixels = RigBatch(rig, np.zeros((1, 10))).project(points) + 0.1 * rng.standard_normal((4, 1, 8))
+    rays = read_rays(rig, pixels)
+    found = np.stack(RigBatch(rig, np.zeros((1, 10))).triangulate(rays), axis=-1)[0]
+    best = triangulate(rig, pixels[:2, 0].T, pixels[2:, 0].T)
+    close(found, best, rtol=1e-5, atol=1e-6)
+
+
+def test_epipolar_errors_are_pixels() -> None:
+    # equal rows: half of a vertical difference belongs to each image, so its distance is 1/sqrt(2)
+    points = shared_points(RIG, 2.0, 5)
+    pixels = RigBatch(RIG, np.zeros((1, 10))).project(points)
+    pixels[3] += 0.5
+    error = RigBatch(RIG, np.zeros((1, 10))).epipolar_error_px(read_rays(RIG, pixels))
+    close(np.abs(error), np.full((1, 5), 0.5 / math.sqrt(2)), rtol=1e-9)
+
+
+def test_points_behind_or_folded_are_nan() -> None:
+    thetas = np.zeros((2, 10))
+    thetas[1, NAMES.index("both_k1")] = -0.5
+    wide = np.array([[0.95, 0.0, 1.0], [0.0, 0.0, -1.0], [0.1, 0.0, 1.0]])
+    pixels = RigBatch(RIG, thetas).project(wide)
+    assert np.isnan(pixels[0]).tolist() == [[False, True, False], [True, True, False]]
+
+
+def test_first_order_is_the_monte_carlo_for_small_errors() -> None:
+    result = small_run(CLASSES["calibrated"].tolerances(RIG), Requirement(0.04, 3.0), n_rigs=4000)
+    for depth in result.depths:
+        assert not depth.parts
+        assert depth.first_order_mm / depth.rms_mm == pytest.approx(1.0, abs=0.02)
+        assert depth.first_over_simulated == pytest.approx(1.0, abs=0.02)
+
+
+def test_where_they_part_is_flagged() -> None:
+    result = small_run(CLASSES["printed"].tolerances(RIG), Requirement(0.04, 3.0))
+    assert [depth.parts for depth in result.depths] == [True, True, True]
+    assert math.isinf(result.depths[-1].per_rig_mm.max())
+
+
+def test_yield_of_one_quantity_by_hand() -> None:
+    # 0.2 mm of baseline is 5 mm at 3 m for every point: within 5 mm are 68.27 % of a normal's rigs
+    result = small_run(Tolerances(baseline_mm=0.2), Requirement(0.005, 3.0), n_rigs=4000)
+    assert result.yield_before == pytest.approx(0.6827, abs=0.003)
+    assert result.judged.rms_mm == pytest.approx(5.0, rel=0.003)
+    # +-0.2 mm, even: all rigs are within 5 mm, half are within 2.5 mm
+    even = Tolerances(baseline_mm=0.2, distribution="uniform")
+    assert small_run(even, Requirement(0.0025, 3.0)).yield_before == pytest.approx(0.5, abs=0.003)
+    assert small_run(even, Requirement(0.00502, 3.0)).yield_before == 1.0
+
+
+def test_a_baseline_error_is_removed_by_one_known_length() -> None:
+    exact = Recalibration(noise_px=0.0, length_std_mm=1e-4)
+    result = small_run(Tolerances(baseline_mm=1.0), Requirement(0.001, 3.0), recalibration=exact, n_rigs=200)
+    after = result.judged.after_per_rig_mm
+    assert after is not None
+    # 25 mm before; the length is known to 1e-7 m in 1.3 m: 3 m x 1e-7 or so remain
+    assert result.judged.rms_mm == pytest.approx(25.0, rel=0.02)
+    assert after.max() < 2e-3
+    assert result.yield_before < 0.05
+    assert result.yield_after == 1.0
+    # pitch and roll show in the epipolar errors alone
+    turned = small_run(
+        Tolerances(pitch_deg=0.2, roll_deg=0.2),
+        Requirement(0.001, 3.0),
+        recalibration=Recalibration(noise_px=0.0, length_std_mm=1e3),
+        n_rigs=200,
+    )
+    assert turned.judged.after_per_rig_mm is not None
+    assert turned.judged.rms_mm > 50
+    assert turned.judged.after_per_rig_mm.max() < 0.05
+
+
+def test_what_comes_after_the_calibration_stays() -> None:
+    late = Tolerances(baseline_mm=1.0, temperature_k=20.0)
+    exact = Recalibration(noise_px=0.0, length_std_mm=1e-4)
+    result = small_run(late, Requirement(0.001, 3.0), recalibration=exact)
+    # 120 mm x 23e-6 x 20 = 55.2 um: 1.38 mm at 3 m
+    after = result.judged.after_per_rig_mm
+    assert after is not None
+    assert math.sqrt((after**2).mean()) == pytest.approx(1.38, rel=0.01)
+
+
+@pytest.mark.parametrize("kind", ["rectified", "verged", "distorted"])
+def test_compensator_is_the_least_squares_solution(kind: str) -> None:
+    rig, rng = RIGS[kind], np.random.default_rng(5)
+    thetas = rng.standard_normal((3, 10)) * STD
+    marks = np.array([[-0.3, 0.1, 2.5], [0.4, -0.1, 2.7]])
+    compensator = Compensator(rig, points_in_view(rig, 40, *RANGE), marks, STD, noise_px=0.05)
+    pixels = compensator.observe(thetas, rng)
+    found = compensator.solve(pixels)
+    for i in range(len(thetas)):
+        reference = least_squares(
+            lambda scaled, i=i: independent_residuals(compensator, pixels[:, i], scaled * STD),
+            np.zeros(10),
+            xtol=1e-15,
+            ftol=1e-15,
+            gtol=1e-15,
+            x_scale=1.0,
+            jac="3-point",
+        )
+        ours = (compensator.residuals(pixels, found)[i] ** 2).sum()
+        assert ours == pytest.approx(2 * reference.cost, rel=1e-6)
+        close(found[i] / STD, reference.x, rtol=0, atol=2e-5)
+
+
+def independent_residuals(compensator: Compensator, pixels: Array, theta: Array) -> Array:
+    """The same residuals with one rig at a time: its own pose, lenses and optimal triangulation."""
+    rig = true_rig(compensator.rig, theta)
+    left = np.column_stack([rig.left.normalize(pixels[:2].T), np.ones(pixels.shape[1])])
+    right = np.column_stack([rig.right.normalize(pixels[2:].T), np.ones(pixels.shape[1])])
+    R, t = rig.right_from_left.R, rig.right_from_left.t
+    # x_right . (t x R x_left), over its slope in the four pixels
+    lines_right, lines_left = np.cross(t, left @ R.T), np.cross(right, t) @ R
+    slopes = np.hstack(
+        [lines_left[:, :2] / (rig.left.fx, rig.left.fy), lines_right[:, :2] / (rig.right.fx, rig.right.fy)]
+    )
+    epipolar = (right * lines_right).sum(axis=1) / np.linalg.norm(slopes, axis=1)
+    # the marks are triangulated from ideal pixels, whatever the lens
+    pinhole = replace(rig, left=replace(rig.left, distortion=None), right=replace(rig.right, distortion=None))
+    one, other = triangulate(
+        pinhole, pinhole.left.denormalize(left[-2:, :2]), pinhole.right.denormalize(right[-2:, :2])
+    )
+    length_error = np.linalg.norm(other - one) - compensator.length_m
+    return np.concatenate(
+        [
+            epipolar[:-2] / compensator.noise_px,
+            [length_error / length_sigma(compensator)],
+            theta / compensator.std,
+        ]
+    )
+
+
+def length_sigma(compensator: Compensator) -> float:
+    """By finite differences through the triangulation."""
+    rig, marks = compensator.rig, compensator.marks_left
+    pixels = np.hstack(rig.project(marks))
+    variance = compensator.length_std_m**2
+    for place in np.ndindex(2, 4):
+        lengths = []
+        for step in (1e-3, -1e-3):
+            moved = pixels.copy()
+            moved[place] += step
+            one, other = triangulate(rig, moved[:, :2], moved[:, 2:])
+            lengths.append(np.linalg.norm(other - one))
+        variance += ((lengths[0] - lengths[1]) / 2e-3 * compensator.noise_px) ** 2
+    return math.sqrt(variance)
+
+
+def test_known_length_lies_across_the_middle() -> None:
+    off = causes(RIG, CLASSES["machined"].tolerances(RIG))
+    compensator = make_compensator(RIG, off, Recalibration(), RANGE)
+    # at 3 m both see 1280 - 36 columns; half of them are 622 px, 2.07 m
+    assert compensator.length_m == pytest.approx(622 / 900 * 3, rel=0.01)
+    close(compensator.marks_left[:, 2], [3.0, 3.0])
+    assert len(compensator.features_left) == 60
+    assert RIG.right.contains(RIG.project(compensator.features_left)[1]).all()
+    assert compensator.noise_px == pytest.approx(0.025)
+
+
+def test_the_same_seed_builds_the_same_rigs() -> None:
+    words = (CLASSES["machined"].tolerances(RIG), Requirement(0.1, 3.0))
+    runs = [small_run(*words, seed=seed, n_rigs=50).judged.per_rig_mm for seed in (1, 1, 2)]
+    assert np.array_equal(runs[0], runs[1])
+    assert not np.array_equal(runs[0], runs[2])
+
+
+@pytest.mark.parametrize("name", CLASSES)
+def test_classes_hold_every_calibrated_quantity(name: str) -> None:
+    keys = causes(RIG, CLASSES[name].tolerances(RIG)).keys
+    assert keys == tuple(QUANTITIES)[:10]
+
+
+def test_slips_are_named() -> None:
+    with pytest.raises(InvalidRange, match="tolerance yaw_deg -1: must be a finite number >= 0"):
+        Tolerances(yaw_deg=-1)
+    with pytest.raises(InvalidRange, match="distribution 'flat': choose one of normal, uniform"):
+        Tolerances(distribution="flat")
+    with pytest.raises(InvalidRange, match="tolerances: all are 0"):
+        causes(RIG, Tolerances())
+    with pytest.raises(InvalidRange, match="required depth error 0 mm: must be > 0"):
+        Requirement(0.0, 3.0)
+    with pytest.raises(InvalidRange, match="must be < its distance 3000 mm"):
+        Requirement(3.0, 3.0)
+    with pytest.raises(InvalidRange, match="depth 10 mm: no point there is in both images"):
+        shared_points(RIG, 0.01, 10)
+    with pytest.raises(InvalidRange, match="range 5000:1000 mm: must be 0 < near < far"):
+        run_tolerance(RIG, Tolerances(yaw_deg=1), Requirement(0.1, 3.0), (5.0, 1.0))
+    with pytest.raises(InvalidRange, match="rigs 1: must be >= 2"):
+        small_run(Tolerances(yaw_deg=1), Requirement(0.1, 3.0), n_rigs=1)
