@@ -47,7 +47,7 @@ _RIG_OPTIONS: dict[str, Any] = {
         Path | None, typer.Option(metavar="FILE", help="Start from a rig.toml; other options change it.")
     ],
     "preset": Annotated[
-        str | None, typer.Option(metavar="NAME", help="Start from a rig by name; see rigsim scenes.")
+        str | None, typer.Option(metavar="NAME", help="Start from a rig by name; see rigsim presets.")
     ],
 }
 
