@@ -25,7 +25,7 @@ def render(
     hfov: Annotated[str | None, typer.Option(help="Horizontal field of view, deg.")] = None,
     resolution: Annotated[str | None, typer.Option(help="Image size: 1280x960.")] = None,
     vergence: Annotated[str | None, typer.Option(help="Toe-in angle, deg.")] = None,
-    preset: Annotated[str | None, typer.Option(help="Start from a rig by name; see `rigsim presets`.")] = None,
+    preset: Annotated[str | None, typer.Option(help="A rig to start from; see `rigsim presets`.")] = None,
     rig: Annotated[Path | None, typer.Option(help="Start from a rig.toml.")] = None,
     sensor_width: Annotated[str | None, typer.Option(help="Active sensor width, for a focal in mm.")] = None,
     pixel_pitch: Annotated[str | None, typer.Option(help="Pixel pitch, um, for a focal in mm.")] = None,

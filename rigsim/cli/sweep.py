@@ -44,7 +44,7 @@ def sweep(
     mount: Annotated[
         str | None, typer.Option(help="Where the rig sits: body:NAME, site:NAME or camera:NAME.")
     ] = None,
-    preset: Annotated[str | None, typer.Option(help="Start from a rig by name; see `rigsim presets`.")] = None,
+    preset: Annotated[str | None, typer.Option(help="A rig to start from; see `rigsim presets`.")] = None,
     rig: Annotated[Path | None, typer.Option(help="Start from a rig.toml.")] = None,
     sensor_width: Annotated[str | None, typer.Option(help="Active sensor width, for a focal in mm.")] = None,
     pixel_pitch: Annotated[str | None, typer.Option(help="Pixel pitch, um, for a focal in mm.")] = None,
