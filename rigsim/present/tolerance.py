@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -94,8 +95,15 @@ def tolerance_png(result: ToleranceResult) -> bytes:
     from rigsim.present import style
 
     with style.styled():
+        below: dict[str, Any] = {
+            "loc": "upper center",
+            "bbox_to_anchor": (0.45, -0.2),
+            "ncols": 3,
+            "handlelength": 1.2,
+            "columnspacing": 1.0,
+        }
         figure = style.new_figure(style.PAGE_WIDTH_IN, _HEIGHT_IN)
-        bars = style.place(figure, 1.45, 0.6, 2.1, 2.5)
+        bars = style.place(figure, 1.45, 0.85, 2.1, 2.4)
         rows = [item for item in result.sensitivities if item.share > 1e-12][::-1]
         place = np.arange(len(rows))
         common = np.array([abs(item.common_mm) for item in rows])
@@ -112,9 +120,9 @@ def tolerance_png(result: ToleranceResult) -> bytes:
         at = f"{plain(result.required.depth_m)} m"
         bars.set_xlabel(f"depth error at {at}, mm")
         bars.set_title("Each alone, first order")
-        bars.legend(loc="lower right")
+        bars.legend(**below)
 
-        shares = style.place(figure, 4.35, 0.6, 2.65, 2.5)
+        shares = style.place(figure, 4.35, 0.85, 2.65, 2.4)
         curves = [("as built", result.judged.per_rig_mm, style.VERMILION)]
         if result.judged.after_per_rig_mm is not None:
             curves.append(("recalibrated", result.judged.after_per_rig_mm, style.GREEN))
@@ -134,5 +142,5 @@ def tolerance_png(result: ToleranceResult) -> bytes:
         shares.set_xlabel(f"depth error at {at}, mm")
         shares.set_ylabel("rigs under it, %")
         shares.set_title("Built rigs")
-        shares.legend(loc="lower right" if not len(curves) > 1 else "center right")
+        shares.legend(**below)
     return style.to_png(figure)

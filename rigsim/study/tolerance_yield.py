@@ -12,6 +12,7 @@ from scipy.special import ndtri
 
 from rigsim.errors import InvalidRange
 from rigsim.rig.arrays import Array
+from rigsim.rig.perturbation import NAMES
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance import (
     Causes,
@@ -226,20 +227,27 @@ def _depth_errors(
     scaled = first_order(rig, off, points)
     # one row a depth, one column a rig: mean squares over the image, m^2
     before, after, linear = (np.empty((len(cuts), len(built))) for _ in range(3))
+    distorts = rig.left.distortion is not None or rig.right.distortion is not None
+    assumed = RigBatch(rig, np.zeros((1, len(NAMES))))
     size = min(max(1, _BLOCK // len(points)), _RIGS_A_BLOCK)
     for start in range(0, len(built), size):
         block = slice(start, start + size)
         deviations = built[block] * off.std
         thetas = deviations @ off.effect
         pixels = RigBatch(rig, thetas).project(points)
-        flat = pixels.reshape(4, -1).T
-        depth = triangulate(rig, flat[:, :2], flat[:, 2:])[:, 2].reshape(pixels.shape[1:])
+        read = read_rays(rig, pixels) if distorts or compensator is not None else None
+        if distorts and read is not None:
+            # the iteration on the pixels as seen is slow, and differs in the second order alone
+            depth = assumed.triangulate(read)[2]
+        else:
+            flat = pixels.reshape(4, -1).T
+            depth = triangulate(rig, flat[:, :2], flat[:, 2:])[:, 2].reshape(pixels.shape[1:])
         _mean_squares(depth - points[:, 2], cuts, before[:, block])
         _mean_squares(built[block] @ scaled.T, cuts, linear[:, block])
-        if compensator is not None:
+        if compensator is not None and read is not None:
             known = deviations * ~off.after_calibration @ off.effect
             batch = RigBatch(rig, compensator.solve(compensator.observe(known, rng)))
-            depth = batch.triangulate(batch.rays(pixels, read_rays(rig, pixels)))[2]
+            depth = batch.triangulate(batch.rays(pixels, read))[2]
             _mean_squares(depth - points[:, 2], cuts, after[:, block])
     found = []
     for i, (depth_m, cut) in enumerate(zip(planes, cuts, strict=True)):

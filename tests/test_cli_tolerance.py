@@ -1,0 +1,154 @@
+"""`rigsim tolerance` from the shell: what is printed, written, and refused."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rigsim.cli.app import run
+from rigsim.study.tolerance import QUANTITIES
+
+PAGE = (Path(__file__).resolve().parent.parent / "docs" / "tolerance.md").read_text(encoding="utf-8")
+FEW = ["tolerance", "--rigs", "300", "--points", "60"]
+
+
+def document(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
+    assert run([*FEW, "--json", *words]) == 0
+    read = json.loads(capsys.readouterr().out)
+    assert isinstance(read, dict)
+    return read
+
+
+def test_json_by_hand(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ("--class", "none", "--tolerance", "baseline=200um", "--depth-error", "1%@3m", "--no-recalibrate")
+    said = document(capsys, *words, "--baseline", "120", "--range", "1:5m")
+    # Z/B x 0.2 mm = 5 mm at 3 m; 30 mm are allowed, and 1.2 mm of baseline make them
+    assert said["required"] == {"depth_error_mm": 30.0, "distance_mm": 3000.0}
+    (row,) = said["quantities"]
+    assert (row["quantity"], row["unit"], row["tolerance"]) == ("baseline_mm", "mm", pytest.approx(0.2))
+    assert row["depth_error_mm"] == pytest.approx([5 / 3, 5.0, 25 / 3])
+    assert row["common_mm"] == pytest.approx(-5.0)
+    assert row["needed_alone"] == pytest.approx(1.2)
+    assert said["yield"] == {"as_built": 1.0, "recalibrated": None}
+    assert [item["distance_mm"] for item in said["depths"]] == [1000.0, 3000.0, 5000.0]
+
+
+def test_units_of_tolerances(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["yaw=6arcmin", "axial=0.1cm", "principal=2px", "k1-both=1e-3", "time=100us", "temperature=5K"]
+    options = [part for word in words for part in ("--tolerance", word)]
+    said = document(capsys, "--class", "none", *options, "--no-recalibrate", "--speed", "2")
+    found = {row["quantity"]: row["tolerance"] for row in said["quantities"]}
+    assert found == pytest.approx(
+        {
+            "yaw_deg": 0.1,
+            "axial_mm": 1.0,
+            "right_cx_px": 2.0,
+            "both_k1": 1e-3,
+            "time_offset_ms": 0.1,
+            "temperature_k": 5.0,
+        }
+    )
+    by_key = {row["quantity"]: row for row in said["quantities"]}
+    # 2 m/s x 0.1 ms = 0.2 mm of baseline; B = 0.12 m, Z = 5 m
+    assert by_key["time_offset_ms"]["common_mm"] == pytest.approx(0.2 * 5 / 0.12)
+
+
+def test_recalibration_helps(capsys: pytest.CaptureFixture[str]) -> None:
+    said = document(capsys, "--depth-error", "20mm@3m")
+    assert said["yield"]["as_built"] < 0.1
+    assert said["yield"]["recalibrated"] > 0.95
+    assert [row["quantity"] for row in said["quantities"]][:2] == ["right_cx_px", "yaw_deg"]
+
+
+def test_a_folder_and_a_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rig = tmp_path / "rig.toml"
+    rig.write_text("baseline_mm = 100\nwidth_px = 640\nheight_px = 480\nfocal_px = 500\n", encoding="utf-8")
+    folder = tmp_path / "out"
+    words = ["--rig", str(rig), "--out", str(folder), "--distribution", "uniform"]
+    assert run([*FEW, *words]) == 0
+    said = capsys.readouterr().out
+    assert "±" in said
+    assert "Each quantity alone" in said
+    assert re.search(r"% of the rigs meet the requirement as built, [\d.]+ % after recalibration", said)
+    assert {path.name for path in folder.iterdir()} == {
+        "tolerance.csv",
+        "tolerance.json",
+        "tolerance.png",
+    }
+    rows = list(csv.DictReader((folder / "tolerance.csv").read_text(encoding="utf-8").splitlines()))
+    written = json.loads((folder / "tolerance.json").read_text(encoding="utf-8"))
+    assert [row["quantity"] for row in rows] == [row["quantity"] for row in written["quantities"]]
+    assert float(rows[0]["depth_error_at_5000_mm"]) == pytest.approx(
+        written["quantities"][0]["depth_error_mm"][2]
+    )
+    assert rows[-1]["quantity"] == "vertical_mm"
+    assert rows[-1]["needed_alone"] == ""
+    assert (folder / "tolerance.png").read_bytes().startswith(b"\x89PNG")
+    # once more into the same folder is refused
+    assert run([*FEW, *words]) == 1
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--class", "welded"], "class 'welded': choose one of printed, machined, calibrated, none"),
+        (["--class", "none"], "tolerances: all are 0"),
+        (["--tolerance", "yaw=-1"], "tolerance yaw -1 deg: must be >= 0"),
+        (["--tolerance", "yaw=1mm"], "tolerance yaw 1mm: unknown unit 'mm'"),
+        (["--tolerance", "yaw"], "tolerance yaw: must be NAME=VALUE, as in yaw=0.05deg"),
+        (["--tolerance", "tilt=1"], "tolerance 'tilt': choose one of yaw, pitch"),
+        (["--tolerance", "yaw=1", "--tolerance", "yaw=2"], "tolerance yaw: given twice"),
+        (["--depth-error", "10@3m"], "depth error 10@3m: of what unit?"),
+        (["--depth-error", "10mm@3"], "depth error 10mm@3: of what unit?"),
+        (["--depth-error", "120%"], "depth error 120%: must be < 100 %"),
+        (["--depth-error", "0mm"], "depth error 0 mm: must be > 0"),
+        (["--range", "1:5"], "range 1:5: m or mm?"),
+        (["--range", "0:5m"], "depth 0 mm: must be > 0"),
+        (["--range", "0.01:5m"], "depth 10 mm: no point there is in both images"),
+        (["--distribution", "flat"], "distribution 'flat': choose one of normal, uniform"),
+        (["--rigs", "0"], "rigs 0: must be >= 2"),
+        (["--points", "3"], "points 3: must be >= 12"),
+        (["--length-std", "0"], "known length's std 0 mm: must be > 0"),
+        (["--speed=-1"], "speed -1 m/s: must be >= 0"),
+    ],
+)
+def test_slips_are_one_line_and_leave_nothing(
+    words: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["tolerance", "--out", str(tmp_path / "out"), *words]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert message in said.err
+    assert said.err.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_page_holds_every_key_and_quantity(capsys: pytest.CaptureFixture[str]) -> None:
+    said = document(capsys)
+    keys = {
+        *said,
+        *said["quantities"][0],
+        *said["depths"][0],
+        *said["rig"],
+        *said["required"],
+        *said["yield"],
+    }
+    documented = set(re.findall(r"`([\w.]+)`", PAGE))
+    assert keys <= documented
+    assert set(QUANTITIES) <= documented
+
+
+def test_the_pages_table_is_what_is_printed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "110")
+    (command,) = re.findall(r"^\./run (tolerance .*)$", PAGE, re.MULTILINE)
+    (shown,) = re.findall(r"```text\n(.*?)```", PAGE, re.DOTALL)
+    assert run(command.split()) == 0
+    printed = capsys.readouterr().out
+    assert [line.rstrip() for line in printed.strip().splitlines()] == shown.strip().splitlines()
