@@ -82,7 +82,7 @@ def worst_reference(rig: StereoRig) -> float:
 
 
 def single_residuals(compensator: Compensator, pixels: Array, theta: Array) -> Array:
-    """The residuals of one rig, by its own pose, lenses and optimal triangulation from ideal pixels."""
+    """The residuals of one rig, by its own pose, lenses and optimal triangulation."""
     rig = Perturbation(**dict(zip(NAMES, map(float, theta), strict=True))).apply(compensator.rig)
     left = np.column_stack([rig.left.normalize(pixels[:2].T), np.ones(pixels.shape[1])])
     right = np.column_stack([rig.right.normalize(pixels[2:].T), np.ones(pixels.shape[1])])
@@ -92,10 +92,7 @@ def single_residuals(compensator: Compensator, pixels: Array, theta: Array) -> A
         [lines_left[:, :2] / (rig.left.fx, rig.left.fy), lines_right[:, :2] / (rig.right.fx, rig.right.fy)]
     )
     epipolar = (right * lines_right).sum(axis=1) / np.linalg.norm(slopes, axis=1)
-    pinhole = replace(rig, left=replace(rig.left, distortion=None), right=replace(rig.right, distortion=None))
-    one, other = triangulate(
-        pinhole, pinhole.left.denormalize(left[-2:, :2]), pinhole.right.denormalize(right[-2:, :2])
-    )
+    one, other = triangulate(rig, pixels[:2, -2:].T, pixels[2:, -2:].T)
     length = (np.linalg.norm(other - one) - compensator.length_m) / length_sigma_m(compensator)
     return np.concatenate([epipolar[:-2] / compensator.noise_px, [length], theta / compensator.std])
 

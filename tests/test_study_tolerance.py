@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -123,6 +122,23 @@ def test_batched_triangulation_is_the_optimal_one(rig: StereoRig, seed: int) -> 
     close(found, best, rtol=1e-5, atol=1e-6)
 
 
+@pytest.mark.parametrize("kind", RIGS)
+def test_one_step_misses_the_optimum_by_the_second_order_alone(kind: str) -> None:
+    rig = RIGS[kind]
+    points, assumed = points_in_view(rig, 50, *RANGE), RigBatch(rig, np.zeros((1, 10)))
+    missed = []
+    for pitch_rad in (1e-4, 1e-3):
+        theta = np.zeros((1, 10))
+        theta[0, NAMES.index("pitch_rad")] = pitch_rad
+        pixels = RigBatch(rig, theta).project(points)
+        best = triangulate(rig, pixels[:2, 0].T, pixels[2:, 0].T)[:, 2]
+        missed.append(np.abs(assumed.triangulate(read_rays(rig, pixels))[2][0] - best).max())
+        # what is missed is small beside what the pitch does
+        assert missed[-1] < 0.01 * np.abs(best - points[:, 2]).max()
+    # ten times the pitch: a hundred times as much, not ten
+    assert missed[1] > 50 * missed[0] or missed[1] < 1e-9
+
+
 def test_epipolar_errors_are_pixels() -> None:
     # equal rows: half of a vertical difference belongs to each image, so its distance is 1/sqrt(2)
     points = shared_points(RIG, 2.0, 5)
@@ -232,11 +248,7 @@ def independent_residuals(compensator: Compensator, pixels: Array, theta: Array)
         [lines_left[:, :2] / (rig.left.fx, rig.left.fy), lines_right[:, :2] / (rig.right.fx, rig.right.fy)]
     )
     epipolar = (right * lines_right).sum(axis=1) / np.linalg.norm(slopes, axis=1)
-    # the marks are triangulated from ideal pixels, whatever the lens
-    pinhole = replace(rig, left=replace(rig.left, distortion=None), right=replace(rig.right, distortion=None))
-    one, other = triangulate(
-        pinhole, pinhole.left.denormalize(left[-2:, :2]), pinhole.right.denormalize(right[-2:, :2])
-    )
+    one, other = triangulate(rig, pixels[:2, -2:].T, pixels[2:, -2:].T)
     length_error = np.linalg.norm(other - one) - compensator.length_m
     return np.concatenate(
         [

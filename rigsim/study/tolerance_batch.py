@@ -108,16 +108,20 @@ class RigBatch:
         """X, Y, Z (n, m) m in the left camera's frame; NaN where Z <= 0.
 
         One step of Lindstrom's (CVPR 2010) towards the nearest pixels whose rays meet, then their
-        intersection: maximum likelihood but for terms of second order in the epipolar error.
+        intersection: maximum likelihood but for terms of second order in the epipolar error. Nearest
+        is meant in the pixels as they were seen: a lens that distorts weighs the directions differently.
         """
         left = self.rig.left
-        error, gradients = self._epipolar(rays)
+        error, (per_ul, per_vl, per_ur, per_vr) = self._epipolar(rays)
+        lens_left = (self._k1_left, self._d_left) if self._distorts_left else None
+        lens_right = (self._k1_right, self._d_right) if self._distorts_right else None
         with np.errstate(all="ignore"):
-            step = error / _squares(gradients)
-            per_left, per_left_v, per_right, per_right_v = gradients
-            xl, yl = rays.left[0] - step * per_left / left.fx, rays.left[1] - step * per_left_v / left.fy
-            xr = rays.right[0] - step * per_right / self.fx
-            yr = rays.right[1] - step * per_right_v / self.fy
+            aspect_left, aspect_right = left.fy / left.fx, self.fy / self.fx
+            move_ul, move_vl = _steepest(per_ul, per_vl, aspect_left, rays.left, lens_left)
+            move_ur, move_vr = _steepest(per_ur, per_vr, aspect_right, rays.right, lens_right)
+            step = error / (per_ul * move_ul + per_vl * move_vl + per_ur * move_ur + per_vr * move_vr)
+            xl, yl = rays.left[0] - step * move_ul / left.fx, rays.left[1] - step * move_vl / left.fy
+            xr, yr = rays.right[0] - step * move_ur / self.fx, rays.right[1] - step * move_vr / self.fy
             R, t = self.R[:, :, :, None], self.t[:, :, None]
             ax, ay, az = (R[:, i, 0] * xl + R[:, i, 1] * yl + R[:, i, 2] for i in range(3))
             ex, ey = (xr * az - ax) * self.fx, (yr * az - ay) * self.fy
@@ -151,6 +155,25 @@ def read_rays(rig: StereoRig, pixels: Array) -> Rays:
             ideal = camera.normalize(np.stack([u, v], axis=-1))
             found.append((ideal[..., 0], ideal[..., 1]))
     return Rays(*found)
+
+
+def _steepest(
+    per_u: Array,
+    per_v: Array,
+    aspect: Array | float,
+    ideal: tuple[Array, Array],
+    lens: tuple[Array, BrownConrady] | None,
+) -> tuple[Array, Array]:
+    """Move of the ideal pixel when the seen one follows the constraint's slope: ``D^-1 D^-T`` times
+    that slope in ideal pixels, D the lens's derivative and `aspect` fy over fx."""
+    if lens is None:
+        return per_u, per_v
+    xx, yy, xy = _slopes(*ideal, *lens)
+    # D in pixels: d u / d v ideal is xy fx / fy, d v / d u ideal is xy fy / fx
+    uv, vu = xy / aspect, xy * aspect
+    det = xx * yy - xy * xy
+    seen_u, seen_v = (yy * per_u - vu * per_v) / det, (xx * per_v - uv * per_u) / det
+    return (yy * seen_u - uv * seen_v) / det, (xx * seen_v - vu * seen_u) / det
 
 
 def _squares(values: tuple[Array, ...]) -> Array:
@@ -202,11 +225,18 @@ def _newton(
 ) -> tuple[Array, Array]:
     off_x, off_y = _distort(ideal_x, ideal_y, k1, lens)
     off_x, off_y = off_x - x, off_y - y
-    r2 = ideal_x * ideal_x + ideal_y * ideal_y
-    radial = 1 + r2 * (k1 + r2 * (lens.k2 + r2 * lens.k3))
-    slope = 2 * (k1 + r2 * (2 * lens.k2 + 3 * r2 * lens.k3))
-    xx = radial + ideal_x * ideal_x * slope + 2 * lens.p1 * ideal_y + 6 * lens.p2 * ideal_x
-    yy = radial + ideal_y * ideal_y * slope + 6 * lens.p1 * ideal_y + 2 * lens.p2 * ideal_x
-    xy = ideal_x * ideal_y * slope + 2 * lens.p1 * ideal_x + 2 * lens.p2 * ideal_y
+    xx, yy, xy = _slopes(ideal_x, ideal_y, k1, lens)
     det = xx * yy - xy * xy
     return ideal_x - (yy * off_x - xy * off_y) / det, ideal_y - (xx * off_y - xy * off_x) / det
+
+
+def _slopes(x: Array, y: Array, k1: Array, lens: BrownConrady) -> tuple[Array, Array, Array]:
+    """Derivative of `_distort`, a symmetric matrix: its xx, yy and xy; as `BrownConrady.jacobian`."""
+    r2 = x * x + y * y
+    radial = 1 + r2 * (k1 + r2 * (lens.k2 + r2 * lens.k3))
+    slope = 2 * (k1 + r2 * (2 * lens.k2 + 3 * r2 * lens.k3))
+    return (
+        radial + x * x * slope + 2 * lens.p1 * y + 6 * lens.p2 * x,
+        radial + y * y * slope + 6 * lens.p1 * y + 2 * lens.p2 * x,
+        x * y * slope + 2 * lens.p1 * x + 2 * lens.p2 * y,
+    )

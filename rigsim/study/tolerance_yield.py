@@ -237,7 +237,7 @@ def _depth_errors(
         pixels = RigBatch(rig, thetas).project(points)
         read = read_rays(rig, pixels) if distorts or compensator is not None else None
         if distorts and read is not None:
-            # the iteration on the pixels as seen is slow, and differs in the second order alone
+            # `optimal` would iterate; one step differs in the second order of the epipolar error alone
             depth = assumed.triangulate(read)[2]
         else:
             flat = pixels.reshape(4, -1).T
