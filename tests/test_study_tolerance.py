@@ -38,7 +38,7 @@ RANGE = (1.0, 5.0)
 
 def small_run(tolerances: Tolerances, required: Requirement, **more: object) -> ToleranceResult:
     words: dict[str, object] = {"n_rigs": 1000, "n_points": 120, **more}
-    return run_tolerance(RIG, tolerances, required, RANGE, **words)  # type: ignore[arg-type]
+    return run_tolerance(RIG, tolerances, required, RANGE, **words)
 
 
 def true_rig(rig: StereoRig, theta: Array) -> StereoRig:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -17,6 +17,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLoca
 from rigsim.present import style
 from rigsim.present.format import plain
 from rigsim.present.topdown import topdown_figure
+from rigsim.rig.arrays import Array
 from rigsim.rig.noise import PixelNoise
 from rigsim.study import design_words as words
 from rigsim.study.design import Candidate, Design
@@ -84,8 +85,8 @@ def region_figure(design: Design, pick: Candidate) -> Figure:
             side = "left of it" if asked.kind in GATES else "above it" if asked.kind in LOWER else "below it"
             label = words.whole(asked).replace("<=", "≤").replace(">=", "≥")
             entries.append((Line2D([], [], color=color, linestyle=dash), _two_lines(label, side)))
-        axes.plot(chip.focal_px, pick.baseline_m * 1e3, **_STAR)  # type: ignore[arg-type]
-        entries.append((Line2D([], [], linestyle="", **_STAR), "recommended"))  # type: ignore[arg-type]
+        axes.plot(chip.focal_px, pick.baseline_m * 1e3, **_STAR)
+        entries.append((Line2D([], [], linestyle="", **_STAR), "recommended"))
         entries.append((Patch(facecolor="white", edgecolor=style.GREY), "white: not feasible"))
         style.plain_axis(axes, "x", float(f[0]), float(f[-1]), "log")
         style.plain_axis(axes, "y", low_mm, high_mm, "log", 8)
@@ -121,19 +122,20 @@ def pareto_figure(design: Design, pick: Candidate) -> Figure:
                     )
                 else:
                     axes.scatter(x, y, s=sizes, facecolors="none", edgecolors=style.GREY, zorder=2)
-        axes.plot(pick.baseline_m * 1e3, pick.far_error_m * 1e3, **_STAR)  # type: ignore[arg-type]
+        axes.plot(pick.baseline_m * 1e3, pick.far_error_m * 1e3, **_STAR)
         bar_axes = style.place(figure, _LEFT + _WIDTH + 0.12, _BOTTOM, 0.13, 1.5)
         figure.colorbar(marks, cax=bar_axes).set_label("field of view, °")
         bar_axes.grid(False)
         b = np.array([c.baseline_m * 1e3 for c in design.candidates])
         e = np.array([c.far_error_m * 1e3 for c in design.candidates])
-        for which, values in (("x", b), ("y", e)):
+        spans: tuple[tuple[Literal["x", "y"], Array], ...] = (("x", b), ("y", e))
+        for which, values in spans:
             low, high = float(values.min()) / 1.15, float(values.max()) * 1.15
-            style.plain_axis(axes, which, low, high, style.scale_of(values, 4))  # type: ignore[arg-type]
+            style.plain_axis(axes, which, low, high, style.scale_of(values, 4))
         axes.set_xlabel("baseline, mm", labelpad=2)
         axes.set_ylabel("depth error at the far end, mm")
         entries: list[tuple[Artist, str]] = [
-            (Line2D([], [], linestyle="", **_STAR), "recommended"),  # type: ignore[arg-type]
+            (Line2D([], [], linestyle="", **_STAR), "recommended"),
             (Line2D([], [], linestyle="", marker="o", color=style.BLUE), "no other beats it\nin every way"),
             (
                 Line2D([], [], linestyle="", marker="o", markerfacecolor="none", markeredgecolor=style.GREY),
@@ -201,7 +203,7 @@ def plan_figure(design: Design, pick: Candidate, proofs: Sequence[Proof]) -> Fig
     return figure
 
 
-_STAR: dict[str, object] = {
+_STAR: dict[str, Any] = {
     "marker": "*",
     "markersize": 15,
     "color": style.ORANGE,
