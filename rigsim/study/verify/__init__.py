@@ -1,0 +1,1 @@
+"""Holding any triangulator against cases whose answer is known."""
