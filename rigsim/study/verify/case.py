@@ -42,7 +42,7 @@ class Case:
     @property
     def answerable(self) -> Mask:
         """Whether a row has an answer, (N,)."""
-        return np.isfinite(self.points_left).all(axis=1)
+        return np.asarray(np.isfinite(self.points_left).all(axis=1))
 
     def __len__(self) -> int:
         return len(self.uv_left)

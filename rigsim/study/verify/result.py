@@ -9,7 +9,7 @@ from rigsim.rig.arrays import Array
 from rigsim.study.verify.case import Case
 
 Status: TypeAlias = Literal["passed", "inefficient", "failed", "error", "not applicable"]
-"""``inefficient`` passes unless one is strict; ``error`` is a triangulator that raised or broke the contract."""
+"""``inefficient`` passes unless one is strict; ``error``: the triangulator raised or broke the contract."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,80 @@
+"""Every triangulator on every case; one that breaks does not stop the others."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from rigsim.errors import TriangulatorError
+from rigsim.study.verify.case import Case
+from rigsim.study.verify.checks import judge, statistical_checks
+from rigsim.study.verify.result import CaseResult, Check, TriangulatorResult
+from rigsim.study.verify.triangulators import not_applicable
+from rigsim.theory.custom import CheckedTriangulator, Triangulator
+
+FALSE_ALARM = 1e-4
+"""Probability that a correct triangulator fails any of the random checks of a whole run."""
+
+
+def verify(
+    cases: Sequence[Case],
+    triangulators: Mapping[str, Triangulator],
+    on_result: Callable[[CaseResult], None] = lambda _: None,
+    false_alarm: float = FALSE_ALARM,
+) -> tuple[TriangulatorResult, ...]:
+    """Run every case with every triangulator.
+
+    Args:
+        cases: the cases.
+        triangulators: callables by the name they have in tables.
+        on_result: is told of every case as it ends.
+        false_alarm: probability that a correct triangulator fails; shared out over the checks.
+    """
+    # Bonferroni: one run, however many cases, raises a false alarm with at most this probability
+    one = false_alarm / max(1, sum(statistical_checks(case) for case in cases) * len(triangulators))
+    finished = []
+    for label, function in triangulators.items():
+        results = []
+        for case in cases:
+            results.append(run_case(case, label, function, one))
+            on_result(results[-1])
+        finished.append(TriangulatorResult(label, tuple(results)))
+    return tuple(finished)
+
+
+def run_case(case: Case, label: str, function: Triangulator, false_alarm: float) -> CaseResult:
+    """One triangulator on one case; whatever it does wrong is in the result."""
+    why_not = not_applicable(label, case)
+    if why_not:
+        return CaseResult(case, label, not_applicable=why_not)
+    checked = function if _is_checked(function) else CheckedTriangulator(function, label)
+    start = time.perf_counter()
+    try:
+        found_left = checked(case.rig, case.uv_left, case.uv_right)
+    except TriangulatorError as error:
+        return CaseResult(case, label, error=str(error), seconds=time.perf_counter() - start)
+    seconds = time.perf_counter() - start
+    with np.errstate(all="ignore"):
+        judgement = judge(case, found_left, false_alarm)
+    return CaseResult(
+        case,
+        label,
+        checks=judgement.checks or (_shape(len(case)),),
+        found_left=found_left,
+        seconds=seconds,
+        depth_rms_m=judgement.depth_rms_m,
+        predicted_depth_rms_m=judgement.predicted_depth_rms_m,
+        efficiency=judgement.efficiency,
+        notes=tuple(getattr(function, "notes", ())),
+    )
+
+
+def _is_checked(function: Triangulator) -> bool:
+    return isinstance(function, CheckedTriangulator)
+
+
+def _shape(n: int) -> Check:
+    """What an empty case holds a triangulator to, once it has come back in shape."""
+    return Check("shape", 0.0, 0.0, 0.0, "", f"The answer has shape ({n}, 3).")
