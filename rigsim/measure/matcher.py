@@ -7,13 +7,11 @@ is the content). No shell reads it: write ``sh -c '...'`` for one.
 
 from __future__ import annotations
 
-import contextlib
 import importlib
 import io
 import os
 import pickle
 import shlex
-import signal
 import subprocess
 import sys
 import tempfile
@@ -24,6 +22,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from rigsim import programs
 from rigsim.errors import InvalidImage, MeasurementFailed
 from rigsim.measure.images import AnyImage
 from rigsim.measure.opencv import load_cv2
@@ -102,34 +101,17 @@ def run_command(command: str, left: AnyImage, right: AnyImage, timeout_s: float)
 
 
 def _run(words: Sequence[str], name: str, timeout_s: float, environment: Mapping[str, str]) -> None:
-    # files, not pipes: a grandchild that survives must not keep this process waiting
     with tempfile.TemporaryFile() as said:
         try:
-            process = subprocess.Popen(
-                words,
-                stdin=subprocess.DEVNULL,
-                stdout=said,
-                stderr=said,
-                env={**os.environ, **environment},
-                start_new_session=True,
-            )
+            code = programs.wait(programs.start(words, said, environment), timeout_s)
         except OSError as error:
             raise MeasurementFailed(f"{name} cannot be started: {error.strerror or error}") from None
-        try:
-            code = process.wait(timeout_s)
-        except BaseException as error:
-            # the session it was given is its own, and it has not been waited for: this ends nothing else
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
-            if isinstance(error, subprocess.TimeoutExpired):
-                raise MeasurementFailed(f"{name} took longer than {timeout_s:g} s: killed") from None
-            raise
+        except subprocess.TimeoutExpired:
+            raise MeasurementFailed(f"{name} took longer than {timeout_s:g} s: killed") from None
         if code != 0:
-            said.seek(0)
-            lines = said.read().decode(errors="replace").strip().splitlines()
-            why = f"signal {-code}" if code < 0 else f"exit code {code}"
-            raise MeasurementFailed(f"{name} failed with {why}" + (f": {lines[-1][:200]}" if lines else ""))
+            lines = programs.lines_said(said)
+            why = programs.how_it_ended(code)
+            raise MeasurementFailed(f"{name} failed with {why}" + (f": {lines[-1]}" if lines else ""))
 
 
 def _load_answer(content: bytes, spec: str) -> Any:

@@ -1,0 +1,96 @@
+"""Other people's programs: started with their words on a file, and ended with all their children."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Mapping, Sequence
+from typing import IO
+
+_TAIL_BYTES = 65536
+_LOOK_S = 0.005
+
+
+def start(
+    words: Sequence[str],
+    said: IO[bytes],
+    environment: Mapping[str, str] | None = None,
+    pass_fds: Sequence[int] = (),
+) -> subprocess.Popen[bytes]:
+    """Start `words` in a session of its own; what it prints goes to the file `said`, and it reads nothing.
+
+    A file, not a pipe: a grandchild that survives must not keep this process waiting.
+
+    Raises:
+        OSError: it cannot be started.
+    """
+    return subprocess.Popen(
+        words,
+        stdin=subprocess.DEVNULL,
+        stdout=said,
+        stderr=said,
+        env={**os.environ, **(environment or {})},
+        pass_fds=pass_fds,
+        start_new_session=True,
+    )
+
+
+def wait(process: subprocess.Popen[bytes], timeout_s: float) -> int:
+    """The exit code of a process from `start`; it is killed with its children when it takes too long.
+
+    Raises:
+        subprocess.TimeoutExpired: it took longer than `timeout_s`.
+    """
+    try:
+        return process.wait(timeout_s)
+    except BaseException:
+        kill(process)
+        raise
+
+
+def kill(process: subprocess.Popen[bytes]) -> int:
+    """End a process from `start` that has not been waited for, and its children; its exit code."""
+    # the session it was given is its own, and its number is not free before the wait: this ends nothing else
+    if process.returncode is None:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+    return process.wait()
+
+
+def ends_within(process: subprocess.Popen[bytes], timeout_s: float) -> bool:
+    """Whether a process from `start` ends within a time; it can still be given to `kill`."""
+    end = time.monotonic() + timeout_s
+    while os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT | os.WNOHANG) is None:
+        if time.monotonic() >= end:
+            return False
+        time.sleep(_LOOK_S)
+    return True
+
+
+def how_it_ended(code: int) -> str:
+    """An exit code as people say it: ``exit code 3``, ``signal 11 (SIGSEGV)``."""
+    if code >= 0:
+        return f"exit code {code}"
+    try:
+        return f"signal {-code} ({signal.Signals(-code).name})"
+    except ValueError:
+        return f"signal {-code}"
+
+
+def lines_said(said: IO[bytes], begin: int = 0) -> list[str]:
+    """The lines with something on them in the file of `start`, from byte `begin`; of a long text its end.
+
+    The place where the process writes on stays as it is.
+    """
+    size = os.fstat(said.fileno()).st_size
+    begin = max(begin, size - _TAIL_BYTES)
+    text = os.pread(said.fileno(), size - begin, begin).decode(errors="replace")
+    return [plain(line) for line in text.splitlines() if line.strip()]
+
+
+def plain(line: str) -> str:
+    """At most 200 characters of a line, fit for any console or file."""
+    return "".join(letter if letter.isprintable() else "?" for letter in line.strip()[:200])
