@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
 import numpy as np
 
-from rigsim.errors import InvalidRange
+from rigsim.errors import InvalidRange, NothingSeen
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.geometry import CORNERS_FROM_BOARDS
 from rigsim.study.verify.case import Case
+from rigsim.study.verify.rendered import measured_case, scene_rig
+from rigsim.study.verify.rendered import scene_cases as from_scene
 from rigsim.study.verify.synthetic import GEOMETRIES, Geometry, degenerate, exact, noisy, random_geometry
 
 SUITES = ("quick", "full")
@@ -31,9 +34,11 @@ class Size:
     """Rows of a case with noise."""
     random_rigs: int
     """Rigs drawn at random."""
+    pictures: bool
+    """Whether the pictures of every scene are measured, patches too; else corners where boards abound."""
 
 
-SIZES = {"quick": Size(200, 2000, 4), "full": Size(2000, 40_000, 40)}
+SIZES = {"quick": Size(200, 2000, 4, False), "full": Size(2000, 40_000, 40, True)}
 """Sizes by suite."""
 
 
@@ -59,6 +64,57 @@ def synthetic_cases(suite: str, seed: int, rig: StereoRig | None = None) -> Iter
     yield from degenerate(size.exact, stream(seed, "degenerate"))
 
 
+def scene_cases(
+    suite: str,
+    seed: int,
+    scenes: Sequence[str],
+    left_out: Callable[[str], None],
+    rig: StereoRig | None = None,
+    renderer: str = "auto",
+    wanted: Callable[[str, str], bool] = lambda _name, _group: True,
+) -> Iterator[Case]:
+    """The cases of scenes, with the rig each is made for or with `rig`.
+
+    Args:
+        suite: quick or full.
+        seed: seed of every random stream.
+        scenes: names of bundled scenes or paths of MJCF files.
+        left_out: is told what could not be made, and why, in a sentence.
+        rig: the rig for all of them; None for each its own.
+        renderer: auto, egl, osmesa or rays; pictures of rays have nothing to be measured.
+        wanted: whether a case of that name and group is wanted: pictures are drawn only for those.
+
+    Raises:
+        InvalidScene: no such scene.
+    """
+    from rigsim.sim.simulator import Simulator
+
+    size = _size(suite, seed)
+    for scene in scenes:
+        with Simulator(scene, renderer=renderer) as simulator:
+            name = simulator.scene.name
+            own = rig or scene_rig(name)
+            try:
+                yield from from_scene(simulator, own, size.noisy, lambda what: stream(seed, what))
+            except NothingSeen as error:
+                left_out(str(error))
+                continue
+            methods = ["patches"] if size.pictures else []
+            if len(simulator.scene.boards) >= (1 if size.pictures else CORNERS_FROM_BOARDS):
+                methods.append("corners")
+            for method in methods:
+                if not wanted(f"{name} {method}", name):
+                    continue
+                if simulator.backend == "rays":
+                    left_out(f"{name} {method}: no GL renderer here, and pictures of rays have no texture")
+                    continue
+                case = measured_case(simulator, own, method, lambda what: stream(seed, what))
+                if isinstance(case, str):
+                    left_out(case)
+                else:
+                    yield case
+
+
 def own_geometry(rig: StereoRig) -> Geometry:
     """A user's rig at the depths where its parallax is a quarter of the image down to 10 px."""
     reach = rig.left.fx * rig.baseline_m
@@ -70,10 +126,10 @@ def own_geometry(rig: StereoRig) -> Geometry:
     )
 
 
-def selected(case: Case, patterns: tuple[str, ...]) -> bool:
+def selected(name: str, group: str, patterns: Sequence[str]) -> bool:
     """Whether a case's name or group matches one of the patterns (``verged*``); all match none given."""
     return not patterns or any(
-        fnmatchcase(name.lower(), pattern.lower()) for pattern in patterns for name in (case.name, case.group)
+        fnmatchcase(text.lower(), pattern.lower()) for pattern in patterns for text in (name, group)
     )
 
 
