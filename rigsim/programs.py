@@ -91,6 +91,6 @@ def lines_said(said: IO[bytes], begin: int = 0) -> list[str]:
     return [plain(line) for line in text.splitlines() if line.strip()]
 
 
-def plain(line: str) -> str:
-    """At most 200 characters of a line, fit for any console or file."""
-    return "".join(letter if letter.isprintable() else "?" for letter in line.strip()[:200])
+def plain(line: str, length: int = 200) -> str:
+    """The first `length` characters of a line, fit for any console or file."""
+    return "".join(letter if letter.isprintable() else "?" for letter in line.strip()[:length])

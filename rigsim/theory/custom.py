@@ -38,10 +38,17 @@ class CheckedTriangulator:
     def __call__(self, rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
         """Points (N, 3) m in the left camera's frame of pixels (N, 2)."""
         try:
-            result = np.asarray(self.function(rig, uv_left.copy(), uv_right.copy()))
+            returned = self.function(rig, uv_left.copy(), uv_right.copy())
         except Exception as error:
             raise TriangulatorError(f"triangulator {self.name!r} raised {first_line(error)}") from error
         expected = (len(uv_left), 3)
+        try:
+            result = np.asarray(returned)
+        except Exception as error:  # ragged lists, tensors on another device
+            raise TriangulatorError(
+                f"triangulator {self.name!r} returned a {type(returned).__name__} that is no array"
+                f" ({first_line(error)}): must be {expected}, a row a point"
+            ) from error
         if result.shape != expected:
             raise TriangulatorError(
                 f"triangulator {self.name!r} returned shape {result.shape}: must be {expected}, a row a point"
@@ -83,7 +90,7 @@ def load(name: str) -> CheckedTriangulator:
     return CheckedTriangulator(function, name)
 
 
-def first_line(error: Exception) -> str:
+def first_line(error: BaseException) -> str:
     """Type and first line of an error's message."""
     lines = str(error).splitlines()
     return f"{type(error).__name__}: {lines[0]}" if lines else type(error).__name__
