@@ -1,0 +1,83 @@
+"""The net holds what it is for: right triangulators pass, and no mutant of them does."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from sampling import RIGS, noisy, points_in_view
+
+from rigsim.rig.arrays import Array
+from rigsim.theory.custom import Triangulator
+from rigsim.theory.triangulation import triangulate
+from tests import mutants_of_files, triangulators
+from tests.mutant import Mutant
+from tests.mutants import MUTANTS
+
+RIGHT: dict[str, Triangulator] = {
+    "linear": triangulators.linear,
+    "midpoint": triangulators.midpoint,
+    "opencv": triangulators.opencv,
+    "opencv's file": mutants_of_files.as_written,
+}
+mutants = pytest.mark.parametrize("mutant", MUTANTS, ids=[mutant.name for mutant in MUTANTS])
+
+
+@cache
+def observations(kind: str) -> tuple[Array, Array]:
+    """Exact pixels; of one row nothing is known, and the rays of one meet behind the cameras."""
+    rig = RIGS[kind]
+    points = points_in_view(rig, 40, 0.5, 60.0)
+    uv_left, uv_right = rig.project(points)
+    uv_left[3] = np.nan
+    behind = -points[5]
+    behind_right = rig.right_from_left.apply(behind)
+    uv_left[5] = rig.left.denormalize(behind[:2] / behind[2])
+    uv_right[5] = rig.right.denormalize(behind_right[:2] / behind_right[2])
+    return uv_left, uv_right
+
+
+@cache
+def truth(kind: str) -> Array:
+    return triangulate(RIGS[kind], *observations(kind))
+
+
+def relative_errors(function: Triangulator, kind: str) -> Array:
+    """Distances over depths, (N,); infinite where only one of the two has a point, or rows are missing."""
+    uv_left, uv_right = observations(kind)
+    found, true = function(RIGS[kind], uv_left.copy(), uv_right.copy()), truth(kind)
+    if found.shape != true.shape:
+        return np.full(len(true), np.inf)
+    known, answered = np.isfinite(true[:, 2]), np.isfinite(found).all(axis=1)
+    with np.errstate(invalid="ignore"):
+        errors = np.linalg.norm(found - true, axis=1) / true[:, 2]
+    return np.where(known & answered, errors, np.where(known == answered, 0.0, np.inf))
+
+
+@pytest.mark.parametrize("kind", RIGS)
+@pytest.mark.parametrize("name", RIGHT)
+def test_the_right_ones_are_right(name: str, kind: str) -> None:
+    assert relative_errors(RIGHT[name], kind).max() < 1e-9
+    nothing = np.empty((0, 2))
+    assert RIGHT[name](RIGS[kind], nothing, nothing).shape == (0, 3)
+
+
+@mutants
+def test_every_mutant_is_wrong_somewhere(mutant: Mutant) -> None:
+    worst = max(relative_errors(mutant.function, kind).max() for kind in RIGS)
+    assert (worst > 1e-9) == (not mutant.only_strict)
+
+
+def test_the_wasteful_one_scatters_more() -> None:
+    (wasteful,) = (mutant for mutant in MUTANTS if mutant.only_strict)
+    rig = RIGS["rectified"]
+    points = points_in_view(rig, 2000, 1.0, 3.0)
+    pixels = noisy(rig, points, 0.2)
+    spread = [np.std(f(rig, *pixels)[:, 2] - points[:, 2]) for f in (triangulators.linear, wasteful.function)]
+    # the disparity's variance of 2 sigma^2 takes in that of v_left - v_right: as much again
+    assert spread[1] / spread[0] == pytest.approx(np.sqrt(2), rel=0.05)
+
+
+def test_names_are_unique() -> None:
+    assert len({mutant.name for mutant in MUTANTS}) == len(MUTANTS)
