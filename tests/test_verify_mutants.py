@@ -28,7 +28,7 @@ mutants = pytest.mark.parametrize("mutant", MUTANTS, ids=[mutant.name for mutant
 def observations(kind: str) -> tuple[Array, Array]:
     """Exact pixels; of one row nothing is known, and the rays of one meet behind the cameras."""
     rig = RIGS[kind]
-    points = points_in_view(rig, 40, 0.5, 60.0)
+    points = np.concatenate([points_in_view(rig, 30, 0.5, 20.0), points_in_view(rig, 10, 150.0, 300.0)])
     uv_left, uv_right = rig.project(points)
     uv_left[3] = np.nan
     behind = -points[5]
