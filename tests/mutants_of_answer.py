@@ -123,6 +123,16 @@ def single_precision(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
     return intersect(c, left.astype(float), right.astype(float)).astype(np.float32)
 
 
+@mutant(
+    "scale",
+    "points as float16 mm: 3 digits, and infinite beyond 65.5 m",
+    "digits are lost and far points overflow: half precision",
+)
+def half_precision(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
+    with np.errstate(over="ignore"):
+        return (opencv(rig, uv_left, uv_right) * 1e3).astype(np.float16).astype(float) / 1e3
+
+
 # at the ends of the range
 
 
@@ -266,9 +276,9 @@ def wasteful(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
     xy_left = undistort(uv_left, c.K_left, c.lens_left)
     xy_right = undistort(uv_right, c.K_right, c.lens_right)
     points = homogeneous(c, xy_left, xy_right)
-    in_right = points @ c.R.T + c.t
     with np.errstate(all="ignore"):
+        in_right = points @ c.R.T + c.t
         missed_left = xy_left[:, 1] - points[:, 1] / points[:, 2]
         missed_right = xy_right[:, 1] - in_right[:, 1] / in_right[:, 2]
-    xy_right[:, 0] += np.nan_to_num(missed_left - missed_right)
+    xy_right[:, 0] += np.nan_to_num(missed_left - missed_right) * rig.left.fy / rig.left.fx
     return intersect(c, xy_left, xy_right)
