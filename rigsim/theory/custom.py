@@ -39,6 +39,8 @@ class CheckedTriangulator:
         """Points (N, 3) m in the left camera's frame of pixels (N, 2)."""
         try:
             returned = self.function(rig, uv_left.copy(), uv_right.copy())
+        except TriangulatorError:
+            raise  # one that calls a program or another process has said all there is to say
         except Exception as error:
             raise TriangulatorError(f"triangulator {self.name!r} raised {first_line(error)}") from error
         expected = (len(uv_left), 3)

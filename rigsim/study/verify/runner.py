@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 
@@ -54,8 +55,11 @@ def run_case(case: Case, label: str, function: Triangulator, false_alarm: float)
     try:
         found_left = checked(case.rig, case.uv_left, case.uv_right)
     except TriangulatorError as error:
-        return CaseResult(case, label, error=str(error), seconds=time.perf_counter() - start)
+        return CaseResult(
+            case, label, error=str(error), seconds=time.perf_counter() - start, notes=_notes(function)
+        )
     seconds = time.perf_counter() - start
+    own = getattr(function, "seconds", math.nan)  # of one that runs elsewhere, without the way there
     with np.errstate(all="ignore"):
         judgement = judge(case, found_left, false_alarm)
     return CaseResult(
@@ -63,16 +67,20 @@ def run_case(case: Case, label: str, function: Triangulator, false_alarm: float)
         label,
         checks=judgement.checks or (_shape(len(case)),),
         found_left=found_left,
-        seconds=seconds,
+        seconds=own if math.isfinite(own) else seconds,
         depth_rms_m=judgement.depth_rms_m,
         predicted_depth_rms_m=judgement.predicted_depth_rms_m,
         efficiency=judgement.efficiency,
-        notes=tuple(getattr(function, "notes", ())),
+        notes=_notes(function),
     )
 
 
 def _is_checked(function: Triangulator) -> bool:
     return isinstance(function, CheckedTriangulator)
+
+
+def _notes(function: Triangulator) -> tuple[str, ...]:
+    return tuple(getattr(function, "notes", ()))
 
 
 def _shape(n: int) -> Check:
