@@ -19,8 +19,11 @@ def start(
     said: IO[bytes],
     environment: Mapping[str, str] | None = None,
     pass_fds: Sequence[int] = (),
+    complained: IO[bytes] | None = None,
 ) -> subprocess.Popen[bytes]:
     """Start `words` in a session of its own; what it prints goes to the file `said`, and it reads nothing.
+
+    What it prints on stderr goes to `complained` where that is given.
 
     A file, not a pipe: a grandchild that survives must not keep this process waiting.
 
@@ -31,7 +34,7 @@ def start(
         words,
         stdin=subprocess.DEVNULL,
         stdout=said,
-        stderr=said,
+        stderr=complained or said,
         env={**os.environ, **(environment or {})},
         pass_fds=pass_fds,
         start_new_session=True,
