@@ -1,0 +1,111 @@
+"""What was checked, as a person says it."""
+
+from __future__ import annotations
+
+import math
+
+from rigsim.study.verify.result import CaseResult, Check, Diagnosis, TriangulatorResult
+
+MEANS = {
+    "answered": "rows with a point came back as none",
+    "nowhere": "points where there are none",
+    "exact": "worst distance to the true point",
+    "size": "pixel error over what the noise must cause",
+    "depth": "depth error over what the noise must cause",
+    "unbiased": "mean error, in standard deviations of one",
+    "efficient": "pixel error over what the noise must cause",
+    "shape": "shape of the answer",
+}
+"""What each check's number is, in a few words."""
+
+_UNITS_M = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"), (1e-12, "pm"))
+
+
+def number(value: float) -> str:
+    """Three significant digits; a power of ten only where there would be many zeros."""
+    if not math.isfinite(value):
+        return "–"
+    if value == 0 or 1e-3 <= abs(value) < 99_950:
+        text = f"{value:.3g}"
+        return f"{value:.0f}" if "e" in text else text
+    mantissa, exponent = f"{value:.1e}".split("e")
+    return f"{mantissa}e{int(exponent)}"
+
+
+def length(length_m: float) -> str:
+    """A length in the unit that suits it, from pm to m."""
+    if not math.isfinite(length_m) or length_m == 0:
+        return f"{number(length_m)} m" if length_m == 0 else "–"
+    for factor, unit in _UNITS_M:
+        if abs(length_m) >= 0.9995 * factor:
+            return f"{number(length_m / factor)} {unit}"
+    return "< 1 pm"
+
+
+def amount(value: float, unit: str) -> str:
+    """A check's number with its unit."""
+    if unit == "m":
+        return length(value)
+    if not math.isfinite(value):
+        return "–"
+    return f"{number(value)} {unit}".rstrip()
+
+
+def found(check: Check) -> str:
+    """What was found."""
+    return amount(check.value, check.unit)
+
+
+def allowed(check: Check) -> str:
+    """What passes."""
+    if check.low == check.high:
+        return amount(check.high, check.unit)
+    if check.low == 0:
+        return f"at most {amount(check.high, check.unit)}"
+    return f"{number(check.low)} to {amount(check.high, check.unit)}"
+
+
+def sentence(check: Check) -> str:
+    """What is wrong, on one line: ``exact: worst distance to the true point 35 mm, allowed at most 1 nm``."""
+    return f"{check.name}: {MEANS.get(check.name, check.name)} {found(check)}, allowed {allowed(check)}"
+
+
+def failures(result: CaseResult, strict: bool) -> tuple[Check, ...]:
+    """The checks that make a case fail; efficiency counts when one is strict."""
+    return tuple(check for check in result.failed_checks if strict or not check.only_strict)
+
+
+def reason(result: CaseResult, strict: bool) -> str:
+    """Why a case failed, one line."""
+    return result.error or "; ".join(sentence(check) for check in failures(result, strict))
+
+
+def verdict(result: TriangulatorResult, strict: bool) -> str:
+    """How many cases passed, one sentence: ``optimal: all 49 cases passed``."""
+    status = [case.status(strict) for case in result.results]
+    n = sum(one != "not applicable" for one in status)
+    bad = sum(one in ("failed", "error") for one in status)
+    slow = status.count("inefficient")
+    skipped = len(status) - n
+    said = f"{result.triangulator}: "
+    if n == 0:
+        said += "no case is meant for it"
+    elif bad:
+        said += f"{bad} of {n} cases failed" if n > 1 else "the case failed"
+    else:
+        said += f"all {n} cases passed" if n > 1 else "the case passed"
+    if slow:
+        said += f", {slow} of them with larger errors than least squares would leave"
+    if skipped and n:
+        said += f"; {skipped} are not meant for it"
+    return said
+
+
+def diagnosis(found: Diagnosis) -> str:
+    """A diagnosis in one paragraph."""
+    n = len(found.cases)
+    says = found.says.rstrip(".")
+    return (
+        f"{found.mistake}: {says}. That explains {100 * found.explained:.0f} % of the error in {n} failing "
+        f"case{'s' if n != 1 else ''}."
+    )
