@@ -1,0 +1,180 @@
+"""The checks hold a triangulator to what its pixels allow: no less, and no more."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from rigsim.rig.arrays import Array
+from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.noise import PixelNoise
+from rigsim.rig.stereo import StereoRig
+from rigsim.study.verify.case import Case
+from rigsim.study.verify.checks import Judgement, judge
+from rigsim.study.verify.result import Check
+from rigsim.study.verify.runner import run_case, verify
+from rigsim.study.verify.suite import stream, synthetic_cases
+from rigsim.study.verify.synthetic import GEOMETRIES, degenerate, exact, noisy, random_geometry
+from rigsim.study.verify.triangulators import KNOWN
+from rigsim.theory.custom import Triangulator
+from rigsim.theory.triangulation import METHODS, triangulate
+
+RIG = StereoRig.rectified(Intrinsics.from_focal(1001, 1001, 1000.0), 0.1)
+BY_NAME = {geometry.name: geometry for geometry in GEOMETRIES}
+
+
+def named(judgement: Judgement) -> dict[str, Check]:
+    return {check.name: check for check in judgement.checks}
+
+
+def test_one_pixel_of_disparity_by_hand() -> None:
+    # (0, 0, 1) m: u 500 and 400, disparity 100 px; one pixel less is a depth of 100/99 m
+    case = Case(
+        "by hand",
+        "by hand",
+        "noisy",
+        "",
+        RIG,
+        np.array([[500.0, 500.0]]),
+        np.array([[401.0, 500.0]]),
+        np.array([[0.0, 0.0, 1.0]]),
+        np.eye(4),
+    )
+    checks = named(judge(case, np.array([[0.0, 0.0, 100 / 99]]), 1e-3))
+    assert checks["size"].value == pytest.approx(math.sqrt(1 / 3))  # one px^2 where three are due
+    assert checks["depth"].value == pytest.approx(1 / math.sqrt(2))  # a disparity errs by sqrt(2) px
+    assert checks["efficient"].high == pytest.approx(math.sqrt(stats.chi2.isf(5e-4, 3) / 3))
+    assert checks["answered"].value == 0
+
+
+def test_a_micrometre_is_not_exact() -> None:
+    case = exact(BY_NAME["rectified"], 50, stream(0, "x"))
+    assert named(judge(case, case.points_left, 1e-4))["exact"].ok
+    off = named(judge(case, case.points_left + np.array([0, 0, 1e-6]), 1e-4))["exact"]
+    assert not off.ok
+    assert off.value == pytest.approx(1e-6, rel=1e-3)
+    assert 1e-9 <= off.high < 2e-8
+
+
+def test_the_truth_itself_is_too_good_for_noisy_pixels() -> None:
+    case = noisy(BY_NAME["verged"], 500, stream(0, "x"))
+    size = named(judge(case, case.points_left, 1e-4))["size"]
+    assert size.value == 0
+    assert not size.ok
+
+
+def test_rows_without_an_answer_may_be_nan_behind_or_at_infinity_but_nowhere_else() -> None:
+    (swapped,) = (case for case in degenerate(4, stream(0, "x")) if case.name == "swapped images")
+    found = np.array([[np.nan] * 3, [0.0, 0.0, -2.0], [0.0, 0.0, 1e12], [0.0, 0.0, 2.0]])
+    check = named(judge(swapped, found, 1e-4))["nowhere"]
+    assert check.value == 1
+    assert not check.ok
+
+
+def test_noise_may_push_as_many_rows_behind_the_camera_as_it_does_and_no_more() -> None:
+    # disparities of 0.2 px under 0.1 px of noise: sigma_d 0.1414, so 7.9 % are negative
+    points_left = np.tile([0.0, 0.0, 500.0], (4000, 1))
+    noise = PixelNoise(0.1)
+    uv_left, uv_right = noise.apply(*RIG.project(points_left), stream(0, "x"))
+    case = Case("far", "far", "noisy", "", RIG, uv_left, uv_right, points_left, noise.covariance_px2)
+    found = triangulate(RIG, uv_left, uv_right)
+    answered = named(judge(case, found, 1e-4))["answered"]
+    expected = 4000 * stats.norm.sf(0.2 / (0.1 * math.sqrt(2)))
+    assert answered.ok
+    assert answered.value == pytest.approx(expected, rel=0.2)
+    lost = found.copy()
+    lost[::5] = np.nan
+    assert not named(judge(case, lost, 1e-4))["answered"].ok
+
+
+@pytest.mark.parametrize("name", ["rectified", "forward", "distorted", "far"])
+def test_the_bounds_are_quantiles(name: str) -> None:
+    # a false alarm probability of 0.2 must come true: 20 % outside size's two sides, and above depth's bound
+    geometry, runs = BY_NAME[name], 300
+    points = exact(geometry, 60, stream(0, "points"))
+    noise = PixelNoise(geometry.noise_px)
+    outside = {"size": 0, "depth": 0}
+    for seed in range(runs):
+        pixels = noise.apply(points.uv_left, points.uv_right, stream(seed, "noise"))
+        case = replace(
+            points, kind="noisy", uv_left=pixels[0], uv_right=pixels[1], covariance_px2=noise.covariance_px2
+        )
+        checks = named(judge(case, triangulate(case.rig, *pixels), 0.2))
+        low, high = checks["size"].low, checks["efficient"].high
+        outside["size"] += not low <= checks["size"].value <= high
+        outside["depth"] += checks["depth"].value > checks["depth"].high / 1.5
+    for count in outside.values():
+        assert stats.binomtest(count, runs, 0.2).pvalue > 1e-3
+
+
+@pytest.mark.parametrize("method", KNOWN)
+def test_correct_triangulators_pass_where_they_apply(method: str) -> None:
+    cases = [case for seed in range(3) for case in synthetic_cases("quick", seed)]
+    (result,) = verify(cases, {method: KNOWN[method]})
+    bad = [(case.case.name, case.failed_checks, case.error) for case in result.results]
+    assert result.passed(), [entry for entry in bad if entry[1] or entry[2]]
+
+
+def test_only_least_squares_is_efficient_with_unequal_cameras() -> None:
+    case = noisy(BY_NAME["unequal"], 5000, stream(0, "x"))
+    status = {label: run_case(case, label, METHODS[label], 1e-6) for label in ("optimal", "midpoint")}
+    assert status["optimal"].status(strict=True) == "passed"
+    assert status["midpoint"].status() == "inefficient"
+    assert status["midpoint"].status(strict=True) == "failed"
+    assert 1.05 < status["midpoint"].efficiency < 1.2
+
+
+def swapped(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
+    return triangulate(rig, uv_right, uv_left)
+
+
+def half_pixel(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
+    return triangulate(rig, uv_left + 0.5, uv_right + 0.5)
+
+
+def other_sign(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
+    return -triangulate(rig, uv_left, uv_right)
+
+
+@pytest.mark.parametrize("mutant", [swapped, half_pixel, other_sign])
+def test_a_sign_a_swap_and_half_a_pixel_fail_in_every_geometry(mutant: Triangulator) -> None:
+    for geometry in (*GEOMETRIES, random_geometry(1, stream(0, "rig 1"))):
+        result = run_case(exact(geometry, 100, stream(0, "x")), "mutant", mutant, 1e-4)
+        assert result.status() == "failed", geometry.name
+
+
+def test_a_noisy_estimate_is_told_from_an_efficient_one() -> None:
+    def wasteful(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
+        more = stream(0, "more").normal(0, 0.5, uv_left.shape)  # sqrt(0.25^2 + 0.5^2) = 2.2 times the noise
+        return triangulate(rig, uv_left + more, uv_right - more)
+
+    case = noisy(BY_NAME["rectified"], 2000, stream(0, "x"))
+    result = run_case(case, "wasteful", wasteful, 1e-4)
+    assert result.efficiency == pytest.approx(math.sqrt(5), rel=0.15)
+    assert {check.name for check in result.failed_checks} >= {"size", "depth"}
+
+
+def test_what_breaks_is_one_line_and_the_next_case_runs() -> None:
+    def broken(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
+        if rig.is_rectified:
+            raise ZeroDivisionError("no\nluck")
+        return triangulate(rig, uv_left, uv_right)
+
+    cases = [exact(BY_NAME[name], 10, stream(0, "x")) for name in ("rectified", "verged")]
+    (result,) = verify(cases, {"broken": broken})
+    first, second = result.results
+    assert first.status() == "error"
+    assert first.error == "triangulator 'broken' raised ZeroDivisionError: no"
+    assert second.status() == "passed"
+    assert not result.passed()
+
+
+def test_the_rows_of_a_case_are_the_same_whatever_else_is_asked_for() -> None:
+    alone = {case.name: case for case in synthetic_cases("quick", 5)}
+    beside = {case.name: case for case in synthetic_cases("quick", 5, RIG)}
+    assert set(beside) - set(alone) == {"your rig exact", "your rig noisy"}
+    assert all(np.array_equal(alone[name].uv_left, beside[name].uv_left) for name in alone)
