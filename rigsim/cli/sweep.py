@@ -7,16 +7,15 @@ import os
 import shlex
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from rigsim.cli import quantity
+from rigsim.cli.progress import shown
 from rigsim.cli.rigs import RigOptions
-from rigsim.cli.sensors import Blur, FullWell, ReadNoise, SensorName, sensor_labels, sensors_from
+from rigsim.cli.sensors import Blur, FullWell, ReadNoise, SensorName, sensor_labels, sensor_of, sensors_from
 from rigsim.errors import InvalidRange
 
 MANY_RIGS = 1000
@@ -45,7 +44,7 @@ def sweep(
         str | None, typer.Option(help="Where the rig sits: body:NAME, site:NAME or camera:NAME.")
     ] = None,
     preset: Annotated[str | None, typer.Option(help="A rig to start from; see `rigsim presets`.")] = None,
-    rig: Annotated[Path | None, typer.Option(help="Start from a rig.toml.")] = None,
+    rig: Annotated[Path | None, typer.Option(help="Start from a rig.toml, or another calibration.")] = None,
     sensor_width: Annotated[str | None, typer.Option(help="Active sensor width, for a focal in mm.")] = None,
     pixel_pitch: Annotated[str | None, typer.Option(help="Pixel pitch, um, for a focal in mm.")] = None,
     depth_range: Annotated[
@@ -99,7 +98,7 @@ def sweep(
         range_m = (near_mm / 1e3, far_mm / 1e3)
     options = RigOptions(rig, preset, baseline, focal, hfov, sensor_width, pixel_pitch, resolution, vergence)
     grid = options.grid(scene)
-    if image_noise is None and sensor is None and full_well is None and not _has_sensor(rig):
+    if image_noise is None and sensor is None and full_well is None and sensor_of(rig) is None:
         image_noise = str(TYPICAL_NOISE_GREY)
     sensors = sensors_from(
         sensor, rig, blur=blur, image_noise=image_noise, full_well=full_well, read_noise=read_noise
@@ -145,7 +144,7 @@ def sweep(
         sensors=dict(zip(sensor_labels(sensors, sensor), sensors, strict=True)),
         extra={"command": shlex.join(["rigsim", *sys.argv[1:]])},
     )
-    with _progress(len(grid)) as progress:
+    with shown(len(grid), "rigs") as progress:
         result = run(grid, plan, jobs=jobs, progress=progress)
 
     from rigsim import present
@@ -157,14 +156,6 @@ def sweep(
         raise typer.Exit(INTERRUPTED)
 
 
-def _has_sensor(rig: Path | None) -> bool:
-    if rig is None or rig.suffix.lower() == ".txt":
-        return False
-    from rigsim.interop.rig_toml import read_sensor
-
-    return read_sensor(rig) is not None
-
-
 def _methods(text: str) -> tuple[str, ...]:
     methods = tuple(part.strip() for part in text.split(","))
     if not all(methods):
@@ -172,31 +163,3 @@ def _methods(text: str) -> tuple[str, ...]:
     if any(":" in method for method in methods):
         sys.path.insert(0, os.getcwd())  # a module beside the user is what package.module:function means
     return methods
-
-
-@contextmanager
-def _progress(total: int) -> Iterator[Callable[[int], None] | None]:
-    """A bar with rigs done, rigs/s and the time left, on a terminal; nothing elsewhere."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    with Progress(
-        TextColumn("rigs"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("{task.fields[rate]}"),
-        TimeRemainingColumn(),
-        console=Console(stderr=True),
-        transient=True,
-    ) as bar:
-        task = bar.add_task("rigs", total=total, rate="")
-        begin = time.monotonic()
-
-        def advance(done: int) -> None:
-            rate = done / max(time.monotonic() - begin, 1e-9)
-            bar.update(task, completed=done, rate=f"{rate:.2g} rigs/s")
-
-        yield advance

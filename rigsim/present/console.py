@@ -64,22 +64,22 @@ def print_table(
         widths[loose] = max(widths[loose] - excess, min(_NARROWEST, widths[loose]))
 
     if title:
-        _say(console, title, "bold")
+        say(console, title, "bold")
     depth = max((len(head) for head in heads), default=0)
     for i in range(depth):
         # heads stand on the line below them
         cells = [head[i - depth + len(head)] if i >= depth - len(head) else "" for head in heads]
-        _say(console, _line(cells, widths, numeric), "bold")
-    _say(console, ("─" if console.is_terminal else "-") * min(_total(widths), console.width), "dim")
+        say(console, _line(cells, widths, numeric), "bold")
+    say(console, ("─" if console.is_terminal else "-") * min(_total(widths), console.width), "dim")
     for row in texts:
         wrapped = list(row)
         more: list[str] = []
         if loose is not None:
             parts = textwrap.wrap(row[loose], widths[loose], break_long_words=False, break_on_hyphens=False)
             wrapped[loose], more = (parts[0], parts[1:]) if parts else ("", [])
-        _say(console, _line(wrapped, widths, numeric))
+        say(console, _line(wrapped, widths, numeric))
         for part in more:
-            _say(console, _line([part if i == loose else "" for i in range(len(row))], widths, numeric))
+            say(console, _line([part if i == loose else "" for i in range(len(row))], widths, numeric))
     console.print()
 
 
@@ -98,9 +98,9 @@ def print_sweep(result: SweepResult, folder: Path | None = None, *, console: Con
     axes = swept_axes(result)
     rows = result.rows
     places = list(result.best[:_MOST_BEST]) or list(range(min(len(rows), _MOST_BEST)))
-    _paragraph(console, result.verdict.headline, style="bold")
+    paragraph(console, result.verdict.headline, style="bold")
     for sentence in result.verdict.sentences:
-        _paragraph(console, sentence, "  ")
+        paragraph(console, sentence, "  ")
     console.print()
 
     best = rows.iloc[places]
@@ -112,7 +112,7 @@ def print_sweep(result: SweepResult, folder: Path | None = None, *, console: Con
             f"{axis.heading} {axis.say(best.iloc[0][axis.column])}" for axis in shared
         )
     columns = _fitting(_sweep_columns(result, varied, places), console.width)
-    _paragraph(console, title, style="bold")
+    paragraph(console, title, style="bold")
     print_table(
         "",
         [column.head for column in columns],
@@ -122,11 +122,30 @@ def print_sweep(result: SweepResult, folder: Path | None = None, *, console: Con
     )
     noise = equivalent_noise_words(rows.iloc[places[0]])
     if noise and not any("--noise" in sentence for sentence in result.verdict.sentences):
-        _paragraph(console, noise)
+        paragraph(console, noise)
         console.print()
     _print_flags(result, console, axes)
     if folder is not None:
-        _say(console, f"Report: {folder / 'report.html'}", "bold")
+        say(console, f"Report: {folder / 'report.html'}", "bold")
+
+
+def paragraph(console: Console, text: str, indent: str = "", *, style: str = "") -> None:
+    """Print prose, wrapped between words; code marks are for pages, not for terminals."""
+    lines = textwrap.wrap(
+        text.replace("`", ""),
+        max(console.width, 20),
+        initial_indent=indent,
+        subsequent_indent=indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    for line in lines:
+        say(console, line, style)
+
+
+def say(console: Console, text: str, style: str = "") -> None:
+    """Print one line as it is: what is too long, such as a path, is left to the terminal."""
+    console.print(Text(text, style=style), soft_wrap=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,14 +206,14 @@ def _print_flags(result: SweepResult, console: Console, axes: list[Axis]) -> Non
     flagged = rows[rows["agreement"] != "agrees"]
     if not len(flagged):
         return
-    _say(console, f"Flagged: {count(len(flagged))} of {count(len(rows))}", "bold yellow")
+    say(console, f"Flagged: {count(len(flagged))} of {count(len(rows))}", "bold yellow")
     for record in flagged.head(_MOST_REASONS).to_dict("records"):
         row: dict[Any, Any] = record
         where = ", ".join(f"{axis.heading} {axis.say(row[axis.column])}" for axis in axes)
         why = str(row["agreement"]).removeprefix("flagged: ")
-        _paragraph(console, f"{where}: {why}" if where else why, "  ")
+        paragraph(console, f"{where}: {why}" if where else why, "  ")
     if len(flagged) > _MOST_REASONS:
-        _say(console, f"  and {count(len(flagged) - _MOST_REASONS)} more, listed in the report")
+        say(console, f"  and {count(len(flagged) - _MOST_REASONS)} more, listed in the report")
     console.print()
 
 
@@ -219,22 +238,3 @@ def _line(cells: Sequence[str], widths: Sequence[int], numeric: Sequence[bool]) 
         room = " " * max(width - cell_len(cell), 0)
         parts.append(room + cell if right else cell + room)
     return (" " * _GAP).join(parts).rstrip()
-
-
-def _paragraph(console: Console, text: str, indent: str = "", *, style: str = "") -> None:
-    """Print prose, wrapped between words; code marks are for pages, not for terminals."""
-    lines = textwrap.wrap(
-        text.replace("`", ""),
-        max(console.width, 20),
-        initial_indent=indent,
-        subsequent_indent=indent,
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
-    for line in lines:
-        _say(console, line, style)
-
-
-def _say(console: Console, text: str, style: str = "") -> None:
-    """Print one line as it is: what is too long, such as a path, is left to the terminal."""
-    console.print(Text(text, style=style), soft_wrap=True)

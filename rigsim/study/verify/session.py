@@ -98,7 +98,7 @@ def run(
 
 
 def _of_scene(selection: Selection, scene: str, name: str, left_out: list[str]) -> list[Case]:
-    """A scene's cases; one that cannot be made leaves the others be, a scene that cannot be opened does not."""
+    """A scene's cases; one that cannot be made leaves the others be."""
 
     def wanted(case: str, group: str) -> bool:
         return selected(case, group, selection.patterns)
