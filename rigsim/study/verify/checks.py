@@ -14,6 +14,7 @@ import numpy as np
 from scipy import stats
 
 from rigsim.rig.arrays import Array, Mask
+from rigsim.rig.stereo import StereoRig
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.result import Check
 from rigsim.theory.uncertainty import parallax_px, pixel_gain
@@ -85,6 +86,13 @@ def judge(case: Case, found_left: Array, false_alarm: float) -> Judgement:
     return Judgement((*checks, *more), depth_rms_m, predicted_m, efficiency)
 
 
+def exact_tolerance_m(rig: StereoRig, points_left: Array, gain: Array) -> Array:
+    """Error (N,) m that exact pixels allow at points (N, 3), given their `pixel_gain` (N, 3, 4)."""
+    width = max(rig.left.width, rig.right.width, rig.left.height, rig.right.height)
+    rounding = _ROUNDING * width * np.linalg.norm(gain, axis=(1, 2))
+    return np.asarray(EXACT_M * np.maximum(1.0, np.linalg.norm(points_left, axis=1)) + rounding)
+
+
 def _pixels(case: Case, points_left: Array) -> Array:
     """(N, 4) px: u_left, v_left, u_right, v_right; NaN behind a camera."""
     return np.hstack(case.rig.project(points_left))
@@ -123,9 +131,7 @@ def _answered(case: Case, truth: Array, answered: Mask, false_alarm: float) -> C
 def _exact(case: Case, truth: Array, found: Array, gain: Array) -> Check:
     """The worst row, against 1e-9 and what rounding the pixels to double precision costs there."""
     error = np.linalg.norm(found - truth, axis=1)
-    width = max(case.rig.left.width, case.rig.right.width, case.rig.left.height, case.rig.right.height)
-    rounding = _ROUNDING * width * np.linalg.norm(gain, axis=(1, 2))
-    allowed = EXACT_M * np.maximum(1.0, np.linalg.norm(truth, axis=1)) + rounding
+    allowed = exact_tolerance_m(case.rig, truth, gain)
     worst = int(np.argmax(error / allowed))
     return Check(
         "exact",
