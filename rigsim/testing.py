@@ -1,0 +1,165 @@
+"""For other people's tests: hold a triangulator of theirs to cases whose answer is known.
+
+::
+
+    from rigsim.testing import assert_triangulates
+
+    def test_my_triangulation():
+        assert_triangulates(my_triangulate)
+
+The function is called as ``my_triangulate(rig, uv_left, uv_right)`` and returns (N, 3) metres in the left
+camera's frame; `rigsim.StereoRig` says what a rig is. With pytest the fixtures ``stereo_case``,
+``stereo_cases`` and ``rendered_stereo`` are there as well; see docs/testing.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from rigsim.rig.arrays import Array
+    from rigsim.rig.stereo import StereoRig
+    from rigsim.study.verify.case import Case
+
+__all__ = ["RenderedStereo", "assert_triangulates", "render_stereo", "stereo_cases"]
+
+
+def assert_triangulates(
+    function: str | Callable[..., Any],
+    cases: Sequence[Case] | Case | None = None,
+    *,
+    suite: str = "quick",
+    only: Sequence[str] = (),
+    rig: StereoRig | None = None,
+    scenes: Sequence[str] = (),
+    seed: int = 0,
+    strict: bool = False,
+) -> None:
+    """Fail with a table of what is wrong unless `function` triangulates every case.
+
+    Args:
+        function: ``(rig, uv_left (N, 2) px, uv_right (N, 2) px) -> points_left (N, 3) m``, or the name of
+            a known one, as ``optimal``.
+        cases: cases to hold it to; None for those that the other arguments choose.
+        suite: quick or full.
+        only: names of cases or groups, with ``*``: ``["rectified", "doffs"]`` for a function that is made
+            for rectified rigs alone.
+        rig: a rig to try beside the built-in ones.
+        scenes: names of bundled scenes or MJCF files to take cases from; these are rendered.
+        seed: seed of the points and the noise.
+        strict: whether errors larger than least squares leaves are failures too.
+
+    Raises:
+        AssertionError: a case failed.
+        RigsimError: an argument cannot be: unknown suite, scene or name.
+    """
+    __tracebackhide__ = True  # pytest then shows the caller's line, not this one
+    from rigsim.study.verify.case import Case
+    from rigsim.study.verify.failure import failure_text
+    from rigsim.study.verify.runner import verify
+    from rigsim.study.verify.triangulators import named
+
+    if cases is None:
+        chosen = stereo_cases(suite=suite, only=only, rig=rig, scenes=scenes, seed=seed)
+    else:
+        chosen = [cases] if isinstance(cases, Case) else list(cases)
+    if not chosen:
+        raise ValueError("no cases: give at least one")
+    label = function if isinstance(function, str) else getattr(function, "__qualname__", repr(function))
+    (result,) = verify(chosen, {label: named(function)})
+    if not result.passed(strict):
+        raise AssertionError(failure_text(result, strict))
+
+
+def stereo_cases(
+    *,
+    suite: str = "quick",
+    only: Sequence[str] = (),
+    rig: StereoRig | None = None,
+    scenes: Sequence[str] = (),
+    seed: int = 0,
+) -> list[Case]:
+    """The cases of a suite; the arguments are those of `assert_triangulates`.
+
+    Raises:
+        RigsimError: unknown suite or scene, or a name that no case has.
+    """
+    from rigsim.study.verify.session import Selection, gather
+
+    return list(gather(Selection(suite, seed, tuple(only), tuple(scenes), rig)).cases)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RenderedStereo:
+    """A pair of pictures and all that is true of it."""
+
+    rig: StereoRig
+    """The rig that took them."""
+    left: npt.NDArray[Any]
+    """Left picture, grey, (H, W)."""
+    right: npt.NDArray[Any]
+    """Right picture, grey, (H, W)."""
+    depth_left: Array
+    """True depth of each left pixel, (H, W), m; NaN for nothing."""
+    disparity: Array
+    """True ``u_left - u_right`` of each left pixel, (H, W), px; NaN where the right camera sees it not."""
+    points_left: Array
+    """True points that both cameras see, (N, 3), m."""
+    uv_left: Array
+    """Their exact pixels in the left picture, (N, 2)."""
+    uv_right: Array
+    """Their exact pixels in the right picture, (N, 2)."""
+
+
+def render_stereo(
+    scene: str = "boards",
+    rig: StereoRig | None = None,
+    *,
+    blur_px: float = 0.7,
+    grey_noise: float = 0.0,
+    points: int = 500,
+    seed: int = 0,
+) -> RenderedStereo:
+    """Draw a scene with a rig and say what is true of the pictures.
+
+    Args:
+        scene: name of a bundled scene or path of an MJCF file.
+        rig: the rig; None for the one that the scene is made for.
+        blur_px: standard deviation of the lens's blur, px.
+        grey_noise: standard deviation of the noise, grey levels.
+        points: how many truth points to draw; those that a camera does not see are left out.
+        seed: seed of the points and the noise.
+
+    Raises:
+        InvalidScene: no such scene.
+        RenderUnavailable: nothing here can draw pictures.
+    """
+    from rigsim.measure.sensor import Sensor
+    from rigsim.sim.simulator import SUPERSAMPLE, Simulator
+    from rigsim.study.pictures import expose_pair
+    from rigsim.study.verify.rendered import scene_rig
+    from rigsim.study.verify.suite import stream
+
+    sensor = Sensor(blur_px=blur_px, grey_noise=grey_noise)
+    with Simulator(scene) as simulator:
+        own = rig or scene_rig(simulator.scene.name)
+        simulator.place(own)
+        exposure = expose_pair(simulator, own, sensor, SUPERSAMPLE)
+        pictures = exposure.pictures(sensor, stream(seed, "picture"))
+        truth = simulator.truth(points, stream(seed, "truth"))
+        points_left = truth.points_left[truth.visible]
+        uv_left, uv_right = own.project(points_left)
+        return RenderedStereo(
+            rig=own,
+            left=pictures.left,
+            right=pictures.right,
+            depth_left=exposure.frame.left.depth,
+            disparity=simulator.true_disparity(exposure.frame),
+            points_left=points_left,
+            uv_left=uv_left,
+            uv_right=uv_right,
+        )
