@@ -10,7 +10,7 @@ import time
 from collections.abc import Mapping, Sequence
 from typing import IO
 
-_TAIL_BYTES = 65536
+_LOOK_BYTES = 65536
 _LOOK_S = 0.005
 
 
@@ -83,14 +83,26 @@ def how_it_ended(code: int) -> str:
         return f"signal {-code}"
 
 
-def lines_said(said: IO[bytes], begin: int = 0) -> list[str]:
-    """The lines with something on them in the file of `start`, from byte `begin`; of a long text its end.
-
-    The place where the process writes on stays as it is.
-    """
+def last_words(said: IO[bytes], begin: int = 0) -> str:
+    """The last line with something on it in the file of `start`, from byte `begin`; empty without one."""
     size = os.fstat(said.fileno()).st_size
-    begin = max(begin, size - _TAIL_BYTES)
-    text = os.pread(said.fileno(), size - begin, begin).decode(errors="replace")
+    lines = _lines(said, max(begin, size - _LOOK_BYTES), size)
+    return lines[-1] if lines else ""
+
+
+def remark(said: IO[bytes], begin: int = 0) -> str:
+    """What was printed from byte `begin` on, as ``printed 'hello', 4 lines``; empty if nothing was."""
+    size = os.fstat(said.fileno()).st_size
+    lines = _lines(said, begin, min(size, begin + _LOOK_BYTES))
+    if not lines:
+        return ""
+    much = "many lines" if size > begin + _LOOK_BYTES else f"{len(lines)} lines"
+    return f"printed {lines[0]!r}" + (f", {much}" if lines[1:] else "")
+
+
+def _lines(said: IO[bytes], begin: int, end: int) -> list[str]:
+    # the process writes on where it was: its place in the file is this one's too
+    text = os.pread(said.fileno(), end - begin, begin).decode(errors="replace")
     return [plain(line) for line in text.splitlines() if line.strip()]
 
 

@@ -98,16 +98,15 @@ class ExecTriangulator:
                     " --timeout"
                 ) from None
             seconds = time.perf_counter() - begin
-            complaints = programs.lines_said(complained)
             if code != 0:
-                words = (complaints or programs.lines_said(said))[-1:]
+                words = programs.last_words(complained) or programs.last_words(said)
                 raise TriangulatorError(
-                    f"failed with {programs.how_it_ended(code)}" + "".join(f": {word}" for word in words)
+                    f"failed with {programs.how_it_ended(code)}" + (f": {words}" if words else "")
                 )
+            remark = programs.remark(complained)
         self.seconds = seconds
-        if complaints:
-            more = f", {len(complaints)} lines" if complaints[1:] else ""
-            self.notes.append(f"printed {complaints[0]!r} on stderr{more}")
+        if remark:
+            self.notes.append(f"on stderr, {remark}")
 
 
 def _words(command: str) -> list[str]:

@@ -109,9 +109,8 @@ def _run(words: Sequence[str], name: str, timeout_s: float, environment: Mapping
         except subprocess.TimeoutExpired:
             raise MeasurementFailed(f"{name} took longer than {timeout_s:g} s: killed") from None
         if code != 0:
-            lines = programs.lines_said(said)
-            why = programs.how_it_ended(code)
-            raise MeasurementFailed(f"{name} failed with {why}" + (f": {lines[-1]}" if lines else ""))
+            why = f"{programs.how_it_ended(code)}: {programs.last_words(said)}".removesuffix(": ")
+            raise MeasurementFailed(f"{name} failed with {why}")
 
 
 def _load_answer(content: bytes, spec: str) -> Any:

@@ -110,7 +110,7 @@ struct Camera {
             const double b = x * y * slope + 2 * p1 * x + 2 * p2 * y;
             const double d = radial + y * y * slope + 6 * p1 * y + 2 * p2 * x;
             const double det = a * d - b * b;
-            // beyond its fold a lens would mirror or turn the picture: there the derivative is not positive definite
+            // beyond its fold a lens would mirror or turn the picture: its derivative is not positive definite
             const bool met = std::hypot(ex, ey) < 1e-9 && a > 0 && det > 0;
             if (step == 19 && !met) return {nan_value, nan_value, 1};
             x -= (d * ex - b * ey) / det;
@@ -125,6 +125,7 @@ int main(int count, char** words) try {
     const std::string folder = words[1];
 
     std::ifstream calibration(folder + "/calibration.json");
+    if (!calibration) throw std::runtime_error("no calibration.json in " + folder);
     const std::string text{std::istreambuf_iterator<char>(calibration), {}};
     const Numbers numbers = Json(text).numbers;
     const Camera left_camera(numbers, "left"), right_camera(numbers, "right");
@@ -144,6 +145,7 @@ int main(int count, char** words) try {
     const Vector center = from_right({-t[0], -t[1], -t[2]});  // of the right camera, seen from the left one
 
     std::ifstream observations(folder + "/observations.csv");
+    if (!observations) throw std::runtime_error("no observations.csv in " + folder);
     std::ofstream points(folder + "/points.csv");
     points << "id,x_m,y_m,z_m\n" << std::setprecision(17);
     std::string line;
@@ -162,10 +164,11 @@ int main(int count, char** words) try {
         const Vector normal = cross(left, right);
         const double along_left = dot(cross(center, right), normal) / dot(normal, normal);
         const double along_right = dot(cross(center, left), normal) / dot(normal, normal);
-        const bool in_front = along_left > 0 && along_right > 0;
+        Vector point;
+        for (int i = 0; i < 3; ++i) point[i] = 0.5 * (along_left * left[i] + center[i] + along_right * right[i]);
+        const bool in_front = along_left > 0 && along_right > 0 && point[2] > 0 && dot(R[2], point) + t[2] > 0;
         points << static_cast<long>(cells[0]);
-        for (int i = 0; i < 3; ++i)
-            points << ',' << (in_front ? 0.5 * (along_left * left[i] + center[i] + along_right * right[i]) : nan_value);
+        for (double coordinate : point) points << ',' << (in_front ? coordinate : nan_value);
         points << '\n';
     }
     points.close();

@@ -64,7 +64,8 @@ def triangulate(rig: dict[str, Any], uv_left: np.ndarray, uv_right: np.ndarray) 
     along_left = (np.cross(center, right) * normal).sum(axis=1) / length2
     along_right = (np.cross(center, left) * normal).sum(axis=1) / length2
     points = 0.5 * (along_left[:, None] * left + center + along_right[:, None] * right)
-    points[~((along_left > 0) & (along_right > 0))] = np.nan
+    in_front = (along_left > 0) & (along_right > 0) & (points[:, 2] > 0) & (points @ R[2] + t[2] > 0)
+    points[~in_front] = np.nan
     return points
 
 

@@ -91,9 +91,8 @@ class IsolatedTriangulator:
             self._ready()
             self.seconds, points = self._ask((rig, uv_left, uv_right), self.timeout_s, _CALL, begin)
         finally:
-            said = self._lines_said(begin)
-            if said:
-                self.notes.append(f"printed {said[0]!r}" + (f", {len(said)} lines" if said[1:] else ""))
+            if self._said is not None and (remark := programs.remark(self._said, begin)):
+                self.notes.append(remark)
         return np.asarray(points)
 
     def close(self) -> None:
@@ -130,10 +129,10 @@ class IsolatedTriangulator:
             raise TriangulatorError(f"triangulator {self.name!r} {late.format(timeout_s)}") from None
         except (EOFError, OSError):
             how = self._end(_GRACE_S)
-            said = self._lines_said(begin)
+            said = "" if self._said is None else programs.last_words(self._said, begin)
             raise TriangulatorError(
                 f"triangulator {self.name!r} ended its process with {how}: must return"
-                + (f"; its last words: {said[-1]}" if said else "")
+                + (f"; its last words: {said}" if said else "")
             ) from None
         except BaseException:
             self._end()
@@ -169,9 +168,6 @@ class IsolatedTriangulator:
 
     def _size_said(self) -> int:
         return 0 if self._said is None else os.fstat(self._said.fileno()).st_size
-
-    def _lines_said(self, begin: int) -> list[str]:
-        return [] if self._said is None else programs.lines_said(self._said, begin)
 
 
 def serve() -> None:
