@@ -291,6 +291,16 @@ def test_root_installs_what_the_system_lacks(machine: Machine) -> None:
     ]
 
 
+def test_check_needs_a_compiler_too(machine: Machine) -> None:
+    machine.tell("is-root")
+    assert machine.call("check")[0] == 0
+    assert [line for line in machine.calls() if line.startswith("apt-get")] == [
+        "apt-get update -qq",
+        "apt-get install -y -qq --no-install-recommends libegl1 libopengl0 libgl1-mesa-dri",
+        "apt-get install -y -qq --no-install-recommends g++",
+    ]
+
+
 def test_root_with_everything_calls_no_apt(machine: Machine) -> None:
     machine.tell("is-root")
     machine.tell("has-gl")

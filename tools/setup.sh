@@ -51,7 +51,7 @@ install_all() {
     trap 'exit 129' HUP
     trap 'exit 130' INT
     trap 'exit 143' TERM
-    install_system_packages
+    install_system_packages "$1"
     make_venv
     install_python_packages "$1"
     fingerprint
@@ -78,8 +78,19 @@ apt_install() {
 
 install_system_packages() {
     if ! is_root || ! have apt-get; then return 0; fi
+    install_missing "GL" "rays only" libegl1 libopengl0 libgl1-mesa-dri
+    if [ "$1" = check ]; then
+        install_missing "a C++ compiler" "the test of the C++ example will fail" g++
+    fi
+}
+
+# install_missing WHAT CONSEQUENCE PACKAGES...
+install_missing() {
+    what=$1
+    consequence=$2
+    shift 2
     missing=
-    for package in libegl1 libopengl0 libgl1-mesa-dri; do
+    for package in "$@"; do
         case $(dpkg-query -W -f '${Status}' "$package" 2>/dev/null) in
             *' installed') ;;
             *) missing="$missing $package" ;;
@@ -87,7 +98,7 @@ install_system_packages() {
     done
     [ -n "$missing" ] || return 0
     # shellcheck disable=SC2086  # a list of words
-    apt_install $missing || say "GL could not be installed (apt-get install$missing failed): rays only"
+    apt_install $missing || say "$what could not be installed (apt-get install$missing failed): $consequence"
 }
 
 # --- Python ---
