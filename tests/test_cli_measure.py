@@ -303,7 +303,7 @@ def test_a_matcher_that_is_a_command(here: Path, capsys: pytest.CaptureFixture[s
         ("half.png right.png --rig calib.txt", 1, "half.png: no picture that can be read"),
         ("none.png right.png --rig calib.txt", 1, "none.png: No such file"),
         ("left.png right.png", 2, "--rig is missing"),
-        ("left.png right.png --rig none.txt", 1, "none.txt: No such file"),
+        ("left.png right.png --rig none.txt", 1, "none.txt: cannot be read (No such file"),
         ("left.png right.png --rig mine.py", 1, "mine.py"),
         ("left.png right.png --preset boards", 1, "the rig's left camera has 1280 x 720"),
         ("left.png right.png --rig calib.txt --truth small.npy", 1, "truth of 200 x 10 px"),

@@ -135,7 +135,7 @@ GOOD = opencv_yaml(StereoRig.rectified(Intrinsics.from_focal(640, 480, 800.0), 0
         ("data: [ 800.0, 0.0,", "data: [ fast, 0.0,", "fast: must be a number"),
         ("---", "--- [", "is not YAML: line"),
     ],
-)  # fmt: skip
+)
 def test_bad_input_is_one_line(old: str, new: str, message: str) -> None:
     assert old in GOOD
     with pytest.raises(InvalidRig, match=message) as caught:

@@ -11,7 +11,7 @@ import pytest
 from rigsim import Intrinsics, Simulator, StereoRig
 from rigsim.errors import InvalidRig, RenderMismatch, RenderUnavailable
 from rigsim.sim import render
-from rigsim.sim.scene import CV_FROM_GL, REP103_FROM_RIG
+from rigsim.sim.axes import CV_FROM_GL, REP103_FROM_RIG
 from tests.scenes import SLANTED, WALL_NORMAL_WORLD, WALL_POINT_WORLD, write
 
 LENS = Intrinsics(320, 240, 300.0, 330.0, 140.3, 131.8)

@@ -10,7 +10,7 @@ from typing import Annotated, cast
 import typer
 
 from rigsim._version import __version__
-from rigsim.cli import calc
+from rigsim.cli import calc, export
 from rigsim.cli.design import design
 from rigsim.cli.doctor import doctor
 from rigsim.cli.infer import infer
@@ -37,6 +37,7 @@ app.command()(render)
 app.command()(design)
 app.command()(measure)
 app.command()(infer)
+app.add_typer(export.app)
 app.command()(scenes)
 app.command()(presets)
 app.command()(doctor)

@@ -44,7 +44,10 @@ _RIG_OPTIONS: dict[str, Any] = {
         str | None, typer.Option(metavar="DEG", help="Toe-in angle between the two optical axes.")
     ],
     "rig": Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Start from a rig.toml; other options change it.")
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Start from a rig.toml or another calibration; see docs/export.md."
+        ),
     ],
     "preset": Annotated[
         str | None, typer.Option(metavar="NAME", help="Start from a rig by name; see rigsim presets.")

@@ -26,7 +26,7 @@ def render(
     resolution: Annotated[str | None, typer.Option(help="Image size: 1280x960.")] = None,
     vergence: Annotated[str | None, typer.Option(help="Toe-in angle, deg.")] = None,
     preset: Annotated[str | None, typer.Option(help="A rig to start from; see `rigsim presets`.")] = None,
-    rig: Annotated[Path | None, typer.Option(help="Start from a rig.toml.")] = None,
+    rig: Annotated[Path | None, typer.Option(help="Start from a rig.toml, or another calibration.")] = None,
     sensor_width: Annotated[str | None, typer.Option(help="Active sensor width, for a focal in mm.")] = None,
     pixel_pitch: Annotated[str | None, typer.Option(help="Pixel pitch, um, for a focal in mm.")] = None,
     renderer: Annotated[str, typer.Option(help="auto, egl, osmesa or rays.")] = "auto",

@@ -37,27 +37,19 @@ class RigOptions:
         if self.rig is not None and self.preset is not None:
             raise InvalidRange("--rig and --preset both given: give one")
         if self.rig is not None:
-            if self._is_middlebury:
-                from rigsim.interop.middlebury import read_calib
+            from rigsim.interop.calibration import read_calibration
 
-                return read_calib(self.rig).rig
-            from rigsim.interop.rig_toml import read_rig
-
-            return read_rig(self.rig)
+            return read_calibration(self.rig)
         name = self.preset or (scene if scene in PRESETS else DEFAULT_PRESET)
         return preset(name).rig
 
     def disparity_range(self) -> tuple[float, float] | None:
         """Disparities to search, px, as a Middlebury calib.txt says; None where nothing says."""
-        if self.rig is None or not self._is_middlebury:
+        if self.rig is None:
             return None
-        from rigsim.interop.middlebury import read_calib
+        from rigsim.interop.calibration import disparity_range
 
-        return read_calib(self.rig).disparity_range
-
-    @property
-    def _is_middlebury(self) -> bool:
-        return self.rig is not None and self.rig.suffix.lower() == ".txt"
+        return disparity_range(self.rig)
 
     def grid(self, scene: str) -> RigGrid:
         """All rigs asked for.

@@ -57,7 +57,7 @@ def sensors_from(
 
     Args:
         name: A preset's name, in any case; stands in for the rig file's sensor.
-        rig_path: A rig.toml, or a Middlebury calib.txt, which has no sensor.
+        rig_path: A rig.toml, or another calibration, which has no sensor.
         blur: ``PX``.
         image_noise: ``GREY``, a list or a range of it.
         full_well: ``E``, electrons.
@@ -84,7 +84,7 @@ def sensors_from(
     if name is not None:
         base = _named(name, changes.pop("full_well_e", None), changes.pop("read_noise_e", None))
     else:
-        base = (_of_rig(rig_path) if rig_path is not None else None) or Sensor()
+        base = sensor_of(rig_path) or Sensor()
     sensor = replace(base, **changes)
     return tuple(replace(sensor, grey_noise=level) for level in levels) or (sensor,)
 
@@ -151,12 +151,13 @@ def _named(name: str, full_well_e: float | None, read_noise_e: float | None) -> 
     return preset.sensor(full_well_e=full_well_e, read_noise_e=read_noise_e)
 
 
-def _of_rig(path: Path) -> Sensor | None:
-    if path.suffix.lower() == ".txt":
+def sensor_of(rig_path: Path | None) -> Sensor | None:
+    """The sensor that a rig's file says it has; None where there is no file, or none in it."""
+    if rig_path is None:
         return None
-    from rigsim.interop.rig_toml import read_sensor
+    from rigsim.interop.calibration import calibration_sensor
 
-    return read_sensor(path)
+    return calibration_sensor(rig_path)
 
 
 def _label(sensor: Sensor, name: str | None, grey: str) -> str:

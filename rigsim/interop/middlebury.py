@@ -11,6 +11,7 @@ calibration with OpenCV, which counts that way. Were it otherwise, depth would b
 from __future__ import annotations
 
 import io
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -80,6 +81,43 @@ def parse_calib(text: str, name: str = "calib.txt") -> MiddleburyCalibration:
     elif "ndisp" in values:
         disparity_range = (0.0, _number(values, "ndisp", name))
     return MiddleburyCalibration(rig, disparity_range)
+
+
+def calib_text(rig: StereoRig, disparity_range: tuple[float, float] | None = None) -> str:
+    """The text of a calib.txt of the rectified `rig`, every digit kept.
+
+    Args:
+        rig: a rectified rig, both pictures of one size.
+        disparity_range: least and largest disparity, px, written as ``vmin``, ``vmax`` and ``ndisp``; without
+            it ``ndisp`` is half the width: of what is nearer, the pictures share less than half.
+
+    Raises:
+        InvalidRig: the rig is not rectified, or its pictures differ in size.
+    """
+    left, right = rig.left, rig.right
+    if not rig.is_rectified:
+        raise InvalidRig("calib.txt needs a rectified rig: parallel axes, equal lenses, no distortion")
+    if (left.width, left.height) != (right.width, right.height):
+        raise InvalidRig(
+            f"images of {left.width}x{left.height} and {right.width}x{right.height} px: calib.txt has one"
+        )
+    least, largest = disparity_range or (0.0, left.width / 2)
+    lines = [
+        f"cam0={_matrix_text(left)}",
+        f"cam1={_matrix_text(right)}",
+        f"doffs={rig.doffs_px!r}",
+        f"baseline={rig.baseline_m * 1e3!r}",
+        f"width={left.width}",
+        f"height={left.height}",
+        f"ndisp={max(1, math.ceil(largest))}",
+    ]
+    if disparity_range is not None:
+        lines += ["isint=0", f"vmin={math.floor(least)}", f"vmax={math.ceil(largest)}"]
+    return "\n".join(lines) + "\n"
+
+
+def _matrix_text(camera: Intrinsics) -> str:
+    return f"[{camera.fx!r} 0 {camera.cx!r}; 0 {camera.fy!r} {camera.cy!r}; 0 0 1]"
 
 
 def read_disparity(path: str | Path, *, png_scale: float = _PNG_SCALE) -> Array:

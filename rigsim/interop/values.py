@@ -35,13 +35,12 @@ def read_text(path: Path) -> str:
     """The text of a calibration file.
 
     Raises:
-        OutputError: it cannot be read.
-        InvalidRig: it is no text.
+        OutputError: it cannot be read, or is no text.
     """
     try:
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
-        raise InvalidRig("is no calibration (not UTF-8 text)") from None
+        raise OutputError(f"{path}: is no calibration (not UTF-8 text)") from None
     except OSError as error:
         raise OutputError(f"{path}: cannot be read ({error.strerror}); name a calibration file") from None
 
@@ -136,16 +135,16 @@ def rotation(R: Array, name: str) -> Array:
     return np.asarray(U @ Vt)
 
 
-def rotation_from_quaternion(w: float, x: float, y: float, z: float, name: str) -> Array:
-    """The rotation (3, 3) of a unit quaternion.
+def rotation_from_quaternion(quaternion: Array, name: str) -> Array:
+    """The rotation (3, 3) of a unit quaternion w, x, y, z, (4,).
 
     Raises:
         InvalidRig: its length is not 1 to three decimals.
     """
-    length = math.sqrt(w * w + x * x + y * y + z * z)
+    length = float(np.linalg.norm(quaternion))
     if not abs(length - 1) <= _ROUNDED_ROTATION:
         raise InvalidRig(f"{name}: a quaternion of length {length:.3g} is no rotation, must be 1")
-    w, x, y, z = w / length, x / length, y / length, z / length
+    w, x, y, z = (float(part) / length for part in quaternion)
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],

@@ -68,20 +68,7 @@ def rectify(rig: StereoRig) -> Rectification:
     """
     if rig.is_rectified:
         return Rectification(rig, rig, np.eye(3), np.eye(3))
-    left_from_right = rig.right_from_left.inverse
-    x = left_from_right.t / rig.baseline_m
-    forward = np.array([0.0, 0.0, 1.0]) + left_from_right.R[:, 2]
-    across = np.cross(forward, x)
-    norm, length = float(np.linalg.norm(across)), float(np.linalg.norm(forward))
-    angle_deg = math.degrees(math.atan2(norm, abs(float(forward @ x))))
-    if length < 1.0 or angle_deg < _LEAST_ANGLE_DEG:
-        raise MeasurementFailed(
-            f"the cameras look {angle_deg:.0f} deg off their baseline: rows can correspond only from "
-            f"{_LEAST_ANGLE_DEG:g} deg on"
-        )
-    y = across / norm
-    rectified_from_left = np.stack([x, y, np.cross(x, y)])
-    rectified_from_right = rectified_from_left @ left_from_right.R
+    rectified_from_left, rectified_from_right = row_rotations(rig)
 
     focal = (rig.left.fx + rig.left.fy + rig.right.fx + rig.right.fy) / 4
     left = _outline(rig.left, rectified_from_left)
@@ -102,6 +89,28 @@ def rectify(rig: StereoRig) -> Rectification:
 
     rectified = StereoRig(lens(left), lens(right), Pose(np.eye(3), np.array([-rig.baseline_m, 0.0, 0.0])))
     return Rectification(rectified, rig, rectified_from_left, rectified_from_right)
+
+
+def row_rotations(rig: StereoRig) -> tuple[Array, Array]:
+    """Rotations (3, 3) of the left and the right camera after which their rows run along the baseline.
+
+    Raises:
+        MeasurementFailed: the cameras look along the baseline, or away from each other.
+    """
+    left_from_right = rig.right_from_left.inverse
+    x = left_from_right.t / rig.baseline_m
+    forward = np.array([0.0, 0.0, 1.0]) + left_from_right.R[:, 2]
+    across = np.cross(forward, x)
+    norm, length = float(np.linalg.norm(across)), float(np.linalg.norm(forward))
+    angle_deg = math.degrees(math.atan2(norm, abs(float(forward @ x))))
+    if length < 1.0 or angle_deg < _LEAST_ANGLE_DEG:
+        raise MeasurementFailed(
+            f"the cameras look {angle_deg:.0f} deg off their baseline: rows can correspond only from "
+            f"{_LEAST_ANGLE_DEG:g} deg on"
+        )
+    y = across / norm
+    rectified_from_left = np.stack([x, y, np.cross(x, y)])
+    return rectified_from_left, rectified_from_left @ left_from_right.R
 
 
 def _turn(uv: Array, lens_a: Intrinsics, b_from_a: Array, lens_b: Intrinsics) -> Array:

@@ -18,13 +18,8 @@ from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim import library
+from rigsim.sim.axes import CV_FROM_GL, REP103_FROM_RIG, principal_offset
 from rigsim.sim.textures import apply_textures
-
-CV_FROM_GL = np.diag([1.0, -1.0, -1.0])
-"""Turns MuJoCo's camera axes into OpenCV's, and back."""
-
-REP103_FROM_RIG = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
-"""Rig axes (x right, y down, z forward) in a frame with x forward, y left, z up (ROS REP 103)."""
 
 SIDES: tuple[str, str] = ("left", "right")
 
@@ -100,12 +95,7 @@ class Scene:
         camera_id = self.camera_ids[side]
         self.model.cam_resolution[camera_id] = (lens.width, lens.height)
         self.model.cam_sensorsize[camera_id] = (lens.width, lens.height)
-        self.model.cam_intrinsic[camera_id] = (
-            lens.fx,
-            lens.fy,
-            (lens.width - 1) / 2 - lens.cx,
-            (lens.height - 1) / 2 - lens.cy,
-        )
+        self.model.cam_intrinsic[camera_id] = (lens.fx, lens.fy, *principal_offset(lens))
 
     def world_from_camera(self, side: int) -> Pose:
         """Pose of the left (0) or right (1) camera, OpenCV axes, as MuJoCo holds it."""

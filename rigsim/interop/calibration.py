@@ -1,0 +1,158 @@
+"""Any calibration file, or folder of them, as a rig: what `--rig` takes.
+
+A file is known by its name's ending and by what it says, a folder by the names in it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rigsim.errors import InvalidRig, OutputError
+from rigsim.interop.colmap import parse_colmap
+from rigsim.interop.kalibr import parse_camchain
+from rigsim.interop.kitti import parse_cam_to_cam
+from rigsim.interop.middlebury import read_calib
+from rigsim.interop.mjcf import parse_rig_xml
+from rigsim.interop.nerfstudio import parse_transforms
+from rigsim.interop.opencv_yaml import parse_opencv_yaml
+from rigsim.interop.rig_toml import read_rig, read_sensor
+from rigsim.interop.ros import FILE_NAMES as ROS_NAMES
+from rigsim.interop.ros import parse_camera_info
+from rigsim.interop.values import read_text
+from rigsim.rig.stereo import StereoRig
+
+if TYPE_CHECKING:
+    from rigsim.measure.sensor import Sensor
+
+_COLMAP_NAMES = ("cameras.txt", "rigs.txt", "images.txt")
+# what a folder is known by, the first name of each
+_IN_FOLDERS = (
+    "rig.toml",
+    "stereo.yml",
+    "camchain.yaml",
+    *ROS_NAMES[:1],
+    "calib.txt",
+    "calib_cam_to_cam.txt",
+    "cameras.txt",
+    "rig.xml",
+    "transforms.json",
+)
+_KNOWN = "rig.toml, stereo.yml, camchain.yaml, left.yaml, calib.txt, cameras.txt, rig.xml or transforms.json"
+_MIDDLEBURY = re.compile(r"^\s*cam0\s*=", re.MULTILINE)
+_KITTI = re.compile(r"^\s*P_rect_0\d\s*:", re.MULTILINE)
+_KALIBR = re.compile(r"^cam[01]\s*:", re.MULTILINE)
+_ROS = re.compile(r"^(camera_matrix|projection_matrix|distortion_model)\s*:", re.MULTILINE)
+
+
+def read_calibration(path: Path) -> StereoRig:
+    """The rig in a calibration file of any format that rigsim writes, or in a folder with one.
+
+    rig.toml; OpenCV's stereo.yml; ROS's left.yaml with right.yaml beside it; Kalibr's camchain.yaml;
+    Middlebury's calib.txt; KITTI's calib_cam_to_cam.txt; COLMAP's cameras.txt with its neighbours; MJCF's
+    rig.xml; Nerfstudio's transforms.json.
+
+    Raises:
+        OutputError: it cannot be read, or is a folder with no calibration or with several.
+        InvalidRig: it holds no rig that can be; the message names the file.
+    """
+    path = _found(path)
+    if path.suffix.lower() in _PARSERS:
+        return _PARSERS[path.suffix.lower()](path)
+    return read_rig(path)
+
+
+def calibration_sensor(path: Path) -> Sensor | None:
+    """The sensor in what `read_calibration` reads; only a rig.toml says something of one.
+
+    Raises:
+        OutputError, InvalidRig: as `rigsim.interop.rig_toml.read_sensor`.
+    """
+    path = _found(path)
+    return None if path.suffix.lower() in _PARSERS else read_sensor(path)
+
+
+def disparity_range(path: Path) -> tuple[float, float] | None:
+    """Least and largest disparity, px, in what `read_calibration` reads; only Middlebury's calib.txt has one.
+
+    Raises:
+        OutputError, InvalidRig: as `rigsim.interop.middlebury.read_calib`.
+    """
+    path = _found(path)
+    if path.suffix.lower() != ".txt" or path.name in _COLMAP_NAMES or _is_kitti(read_text(path)):
+        return None
+    return read_calib(path).disparity_range
+
+
+def _found(path: Path) -> Path:
+    """The file itself, or the one calibration in a folder."""
+    if not path.is_dir():
+        return path
+    found = [name for name in _IN_FOLDERS if (path / name).is_file()]
+    if not found:
+        raise OutputError(f"{path}: holds no calibration; name a folder with {_KNOWN}")
+    if len(found) > 1:
+        raise OutputError(f"{path}: holds {', '.join(found)}; name one of them")
+    return path / found[0]
+
+
+def _parsed(path: Path, parse: Callable[[str], StereoRig]) -> StereoRig:
+    """A format of one file, with its name in messages."""
+    try:
+        return parse(read_text(path))
+    except InvalidRig as error:
+        raise InvalidRig(f"{path}: {error}") from None
+
+
+def _txt(path: Path) -> StereoRig:
+    if path.name in _COLMAP_NAMES:
+        return _colmap(path.parent)
+    if _is_kitti(read_text(path)):
+        return _parsed(path, parse_cam_to_cam)
+    return read_calib(path).rig
+
+
+def _yaml(path: Path) -> StereoRig:
+    def parse(text: str) -> StereoRig:
+        return parse_camchain(text) if _KALIBR.search(text) else parse_opencv_yaml(text)
+
+    if path.name in ROS_NAMES:
+        return _ros(path.parent)
+    if path.is_file() and _ROS.search(read_text(path)):
+        raise InvalidRig(
+            f"{path}: camera_info of one camera; name both {' and '.join(ROS_NAMES)}, side by side"
+        )
+    return _parsed(path, parse)
+
+
+def _ros(folder: Path) -> StereoRig:
+    left, right = (read_text(folder / name) for name in ROS_NAMES)
+    try:
+        return parse_camera_info(left, right)
+    except InvalidRig as error:
+        raise InvalidRig(f"{folder}: {error}") from None
+
+
+def _colmap(folder: Path) -> StereoRig:
+    needed, *others = _COLMAP_NAMES
+    names = [needed, *(name for name in others if (folder / name).exists())]
+    try:
+        return parse_colmap({name: read_text(folder / name) for name in names})
+    except InvalidRig as error:
+        raise InvalidRig(f"{folder}: {error}") from None
+
+
+def _is_kitti(text: str) -> bool:
+    return _KITTI.search(text) is not None and _MIDDLEBURY.search(text) is None
+
+
+_PARSERS: dict[str, Callable[[Path], StereoRig]] = {
+    ".txt": _txt,
+    ".yml": _yaml,
+    ".yaml": _yaml,
+    ".xml": lambda path: _parsed(path, parse_rig_xml),
+    ".json": lambda path: _parsed(path, parse_transforms),
+}
+"""What reads a file with this ending; the others are rig.toml's."""
