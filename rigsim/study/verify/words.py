@@ -25,17 +25,20 @@ def number(value: float) -> str:
     """Three significant digits; a power of ten only where there would be many zeros."""
     if not math.isfinite(value):
         return "–"
-    if value == 0 or 1e-3 <= abs(value) < 99_950:
-        text = f"{value:.3g}"
-        return f"{value:.0f}" if "e" in text else text
+    if value == 0:
+        return "0"
+    if 1e-3 <= abs(value) < 99_950:
+        return f"{value:.0f}" if abs(value) >= 99.95 else f"{value:#.3g}"
     mantissa, exponent = f"{value:.1e}".split("e")
     return f"{mantissa}e{int(exponent)}"
 
 
 def length(length_m: float) -> str:
     """A length in the unit that suits it, from pm to m."""
-    if not math.isfinite(length_m) or length_m == 0:
-        return f"{number(length_m)} m" if length_m == 0 else "–"
+    if not math.isfinite(length_m):
+        return "–"
+    if length_m == 0:
+        return "0 m"
     for factor, unit in _UNITS_M:
         if abs(length_m) >= 0.9995 * factor:
             return f"{number(length_m / factor)} {unit}"
@@ -48,12 +51,24 @@ def amount(value: float, unit: str) -> str:
         return length(value)
     if not math.isfinite(value):
         return "–"
+    if unit == "rows":
+        return f"{value:.0f} {'row' if value == 1 else 'rows'}"
     return f"{number(value)} {unit}".rstrip()
 
 
-def found(check: Check) -> str:
-    """What was found."""
-    return amount(check.value, check.unit)
+def found(check: Check, of: int = 0) -> str:
+    """What was found; with the number of rows in the case, how many of them."""
+    text = amount(check.value, check.unit)
+    match check.name:
+        case "answered" | "nowhere":
+            text = f"{check.value:.0f} of {of} rows" if of else text
+            return f"{'no' if check.name == 'answered' else 'a'} point in {text}"
+        case "exact":
+            return f"{text} off"
+        case "size" | "depth" | "efficient":
+            return f"{text} × expected"
+        case _:
+            return text
 
 
 def allowed(check: Check) -> str:
@@ -67,7 +82,8 @@ def allowed(check: Check) -> str:
 
 def sentence(check: Check) -> str:
     """What is wrong, on one line: ``exact: worst distance to the true point 35 mm, allowed at most 1 nm``."""
-    return f"{check.name}: {MEANS.get(check.name, check.name)} {found(check)}, allowed {allowed(check)}"
+    what = MEANS.get(check.name, check.name)
+    return f"{check.name}: {what} {amount(check.value, check.unit)}, allowed {allowed(check)}"
 
 
 def failures(result: CaseResult, strict: bool) -> tuple[Check, ...]:
@@ -95,7 +111,9 @@ def verdict(result: TriangulatorResult, strict: bool) -> str:
     else:
         said += f"all {n} cases passed" if n > 1 else "the case passed"
     if slow:
-        said += f", {slow} of them with larger errors than least squares would leave"
+        said += (
+            f"; {slow} {'more have' if bad else 'of them have'} larger errors than least squares would leave"
+        )
     if skipped and n:
         said += f"; {skipped} are not meant for it"
     return said
