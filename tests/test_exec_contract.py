@@ -275,8 +275,8 @@ def test_what_a_program_prints_goes_nowhere(capfd: pytest.CaptureFixture[str]) -
     [
         ("", "must name a program"),
         ("'unfinished", "No closing quotation; quote it as for a shell"),
-        ("nowhere-at-all --fast", "nowhere-at-all is not there; give its path, as ./nowhere-at-all"),
-        ("./nowhere", r"\./nowhere is not there"),
+        ("nowhere-at-all --fast", "nowhere-at-all is not there; install it, or give its path, as ./nowhere"),
+        ("./nowhere", r"\./nowhere is not there; check its path$"),
         ("./plain.txt", r"\./plain.txt is not executable; name its interpreter first"),
         ("./tmp", r"\./tmp is not executable"),
     ],

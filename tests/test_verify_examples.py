@@ -78,6 +78,7 @@ def test_swapped_cameras_put_every_point_behind(program: ExecTriangulator) -> No
 
 def test_no_observations_are_no_mistake(program: ExecTriangulator) -> None:
     assert program(RIGS["verged"], np.zeros((0, 2)), np.zeros((0, 2))).shape == (0, 3)
+    assert program.notes == []
 
 
 def test_the_page_shows_the_calibration_as_it_is() -> None:

@@ -121,9 +121,8 @@ def _words(command: str) -> list[str]:
             raise TriangulatorError(
                 f"program {command!r}: {words[0]} is not executable; name its interpreter first"
             )
-        raise TriangulatorError(
-            f"program {command!r}: {words[0]} is not there; give its path, as ./{words[0].rpartition('/')[2]}"
-        )
+        way_out = "check its path" if "/" in words[0] else f"install it, or give its path, as ./{words[0]}"
+        raise TriangulatorError(f"program {command!r}: {words[0]} is not there; {way_out}")
     return words
 
 
@@ -150,9 +149,7 @@ def _write(path: Path, text: str) -> None:
 
 def _read(path: Path, count: int) -> bytes:
     if not path.is_file():
-        raise TriangulatorError(
-            f"ended well, but left no {POINTS} in the folder; the folder is its last word"
-        )
+        raise TriangulatorError(f"ended well, but left no {POINTS} in the folder that is its last argument")
     bound = _ROW_BYTES * (count + 2)
     try:
         with path.open("rb") as file:
