@@ -211,9 +211,16 @@ def test_a_function_that_cannot_be_loaded_is_refused_at_once(
 
 
 def test_modules_beside_it_do_not_hide_those_of_python(folder: Path) -> None:
-    for name in ("numpy", "signal", "rigsim", "json"):
+    for name in ("numpy", "signal", "rigsim", "random", "csv"):
         (folder / f"{name}.py").write_text("raise RuntimeError('the wrong one')")
     assert np.array_equal(call("optimal")[0], triangulate(RIG, *PIXELS))
+
+
+def test_the_module_beside_the_user_is_what_is_meant(folder: Path) -> None:
+    (folder / "test.py").write_text("def f(*a):\n    import late\n    return late.TEN\n")
+    (folder / "late.py").write_text("TEN = [[1, 2, 3]] * 20\n")
+    with IsolatedTriangulator("test:f", 30.0) as theirs:  # Python has a package of that name
+        close(theirs(RIG, *PIXELS), [[1, 2, 3]] * 20)
 
 
 def test_the_worker_loads_nothing_heavy(folder: Path) -> None:
