@@ -20,6 +20,7 @@ from rigsim.cli.render import render
 from rigsim.cli.scenes import scenes
 from rigsim.cli.sweep import sweep
 from rigsim.cli.tolerance import tolerance
+from rigsim.cli.verify import verify
 from rigsim.errors import InvalidRange, RigsimError
 
 app = typer.Typer(
@@ -37,6 +38,7 @@ app.command()(render)
 app.command()(design)
 app.command()(measure)
 app.command()(infer)
+app.command()(verify)
 app.add_typer(export.app)
 app.command()(scenes)
 app.command()(presets)

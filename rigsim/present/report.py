@@ -48,7 +48,7 @@ def report_html(result: SweepResult, plan: Figure | None = None) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["prose"] = _prose
+    environment.filters["prose"] = prose
     axes = swept_axes(result)
     figures = [
         {
@@ -61,7 +61,7 @@ def report_html(result: SweepResult, plan: Figure | None = None) -> str:
     ]
     show = result.showcase
     best = result.rows.iloc[show.row]
-    provenance = dict(_flat(result.provenance))
+    provenance = dict(flat(result.provenance))
     command = provenance.pop("command", "")
     return environment.get_template("report.html").render(
         title=_title(result, axes),
@@ -134,12 +134,12 @@ def _data_uri(image: Any) -> str:
     return "data:image/jpeg;base64," + base64.b64encode(data).decode("ascii")
 
 
-def _flat(values: dict[str, Any], prefix: str = "") -> list[tuple[str, str]]:
+def flat(values: dict[str, Any], prefix: str = "") -> list[tuple[str, str]]:
     """Nested JSON values as (name, text) pairs."""
     pairs: list[tuple[str, str]] = []
     for name, value in values.items():
         if isinstance(value, dict):
-            pairs += _flat(value, f"{prefix}{name} ")
+            pairs += flat(value, f"{prefix}{name} ")
         elif isinstance(value, list | tuple):
             pairs.append((prefix + name, (" " if name == "command" else ", ").join(map(str, value))))
         else:
@@ -147,6 +147,6 @@ def _flat(values: dict[str, Any], prefix: str = "") -> list[tuple[str, str]]:
     return pairs
 
 
-def _prose(text: str) -> Markup:
+def prose(text: str) -> Markup:
     """Escaped text in which `words` between backticks are set as code."""
     return Markup(re.sub(r"`([^`]*)`", r"<code>\1</code>", str(escape(text))))

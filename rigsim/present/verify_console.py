@@ -84,7 +84,7 @@ def group_rows(result: TriangulatorResult, strict: bool) -> list[tuple[str, ...]
             name,
             str(len(cases)),
             words.length(_most(_exact(case) for case in cases)),
-            ratio(_most(case.efficiency for case in cases)),
+            efficiency(case.efficiency for case in cases),
             *_depths(cases),
             _verdict(cases, strict),
         )
@@ -107,6 +107,12 @@ def failure_rows(results: Iterable[CaseResult], strict: bool) -> list[tuple[str,
             )
         )
     return rows
+
+
+def efficiency(values: Iterable[float]) -> str:
+    """The largest of some ratios, three decimals while it is anywhere near 1."""
+    most = _most(values)
+    return words.number(most) if most >= 10 else ratio(most)
 
 
 def rows_asked(result: CaseResult, check: Check) -> int:

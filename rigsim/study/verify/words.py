@@ -81,9 +81,8 @@ def allowed(check: Check) -> str:
 
 
 def sentence(check: Check) -> str:
-    """What is wrong, on one line: ``exact: worst distance to the true point 35 mm, allowed at most 1 nm``."""
-    what = MEANS.get(check.name, check.name)
-    return f"{check.name}: {what} {amount(check.value, check.unit)}, allowed {allowed(check)}"
+    """What is wrong, on one line: ``exact: 35.0 mm off, allowed at most 1.00 nm``."""
+    return f"{check.name}: {found(check)}, allowed {allowed(check)}"
 
 
 def failures(result: CaseResult, strict: bool) -> tuple[Check, ...]:

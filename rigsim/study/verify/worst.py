@@ -10,6 +10,9 @@ from rigsim.rig.arrays import Array
 from rigsim.study.verify.result import CaseResult
 
 
+_WRONG_PX = 1e-6  # less is rounding
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class WorstRow:
     """One row: what was given, what was true, what came back."""
@@ -48,11 +51,18 @@ def pixel_errors(result: CaseResult) -> Array:
 
 
 def worst_rows(result: CaseResult, most: int = 5) -> tuple[WorstRow, ...]:
-    """At most that many rows with an error, the worst first; none when nothing came back."""
+    """At most that many rows with an error, the worst first; none when nothing came back.
+
+    Rows whose point is missing or made up are the worst, but leave up to half of the places to wrong ones.
+    """
     if result.found_left is None:
         return ()
     case, error = result.case, pixel_errors(result)
-    order = np.argsort(-error, kind="stable")[:most]
+    order = np.argsort(-error, kind="stable")
+    n_none = int(np.isinf(error).sum())
+    n_wrong = int((np.isfinite(error) & (error > _WRONG_PX)).sum())
+    n_shown = min(n_none, most - min(n_wrong, most // 2))
+    order = np.concatenate([order[:n_shown], order[n_none:]])[:most]
     return tuple(
         WorstRow(
             int(row), case.uv_left[row], case.uv_right[row], case.points_left[row], result.found_left[row]

@@ -1,0 +1,243 @@
+"""`rigsim verify`: any triangulator against cases whose answer is known."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from rigsim.cli import quantity
+from rigsim.cli.options import Json, takes_rig
+from rigsim.cli.progress import shown
+from rigsim.cli.rigs import DEFAULT_PRESET, RigOptions
+from rigsim.errors import InvalidRange
+
+if TYPE_CHECKING:
+    from rigsim.study.verify.result import CaseResult, VerifyResult
+    from rigsim.study.verify.session import Gathered, Selection
+    from rigsim.theory.custom import Triangulator
+
+FAILED = 3
+"""Exit code when a case failed."""
+
+_TIMEOUT = quantity.Kind(
+    "timeout", "s", {"ms": Fraction(1, 1000), "s": Fraction(1), "min": Fraction(60)}, above=0
+)
+_NO_SCENE = "none"
+
+
+@takes_rig
+def verify(
+    options: RigOptions,
+    triangulator: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="optimal, rectified, dlt, midpoint, cv2, or package.module:function; repeatable, or commas."
+            " optimal unless said.",
+        ),
+    ] = None,
+    exec_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--exec", metavar="COMMAND", help="A program in any language, see docs/exec.md. Repeatable."
+        ),
+    ] = None,
+    suite: Annotated[str, typer.Option(help="quick, for every commit; full, before a release.")] = "quick",
+    cases: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="PATTERN",
+            help="Only these cases or groups: verged, 'far*'. Repeatable, or commas; see --list.",
+        ),
+    ] = None,
+    scene: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="Scenes to take surfaces and pictures from: names, MJCF files, or none; all unless said.",
+        ),
+    ] = None,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Errors larger than least squares would leave fail, too.")
+    ] = False,
+    seed: Annotated[int, typer.Option(help="Seed of every random number.")] = 0,
+    timeout: Annotated[
+        str, typer.Option(metavar="TIME", help="For one call of a function or program of yours.")
+    ] = "10s",
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for verify.html, verify.json and junit.xml.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
+    junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Write JUnit XML here.")] = None,
+    as_json: Json = False,
+    list_cases: Annotated[
+        bool, typer.Option("--list", help="Say which cases there are, and run nothing.")
+    ] = False,
+) -> None:
+    """Hold triangulators against cases whose answer is known; exit code 3 when one fails.
+
+    Tolerances follow from the noise, and a correct triangulator fails in one run of 10,000. A rig given by
+    options is added to the cases and placed in every scene.
+    """
+    timeout_s = quantity.value(timeout, _TIMEOUT)
+    from rigsim.interop import folder
+
+    if out is not None:
+        folder.check_output(out, force)
+    from rigsim.study.verify.session import Selection, run
+
+    selection = Selection(
+        suite,
+        seed,
+        _words(cases, "cases"),
+        _scenes(scene),
+        None if options == RigOptions() else options.single(DEFAULT_PRESET),
+    )
+    names = _words(triangulator, "triangulator")
+    commands = tuple(exec_ or ())
+    if not names and not commands:
+        names = ("optimal",)
+    with _triangulators(names, commands, timeout_s) as known:
+        gathered = _gathered(selection)
+        if list_cases:
+            from rigsim.present.verify_console import print_cases
+
+            print_cases(gathered.cases)
+            return
+        with shown(len(gathered.cases) * len(known), "cases") as progress:
+            done = 0
+
+            def one_more(_: CaseResult) -> None:
+                nonlocal done
+                done += 1
+                if progress is not None:
+                    progress(done)
+
+            result = run(gathered, known, selection, one_more, shlex.join(["rigsim", *sys.argv[1:]]))
+    again = {
+        label: [*_again(options, scene, suite, strict, seed, timeout), flag, label]
+        for flag, labels in (("--triangulator", names), ("--exec", commands))
+        for label in labels
+    }
+    _deliver(result, strict, again, out, force, junit, as_json)
+    if not result.passed(strict):
+        raise typer.Exit(FAILED)
+
+
+def _deliver(
+    result: VerifyResult,
+    strict: bool,
+    again: Mapping[str, list[str]],
+    out: Path | None,
+    force: bool,
+    junit: Path | None,
+    as_json: bool,
+) -> None:
+    from rigsim.interop import folder
+    from rigsim.interop.junit import junit_bytes
+    from rigsim.interop.tables import json_bytes
+    from rigsim.study.verify.document import verify_document
+
+    document = verify_document(result, strict)
+    if junit is not None:
+        folder.write_file(junit, junit_bytes(result, strict))
+    if out is not None:
+        from rigsim.present.verify import verify_html
+
+        files = {
+            "verify.html": verify_html(result, strict, again).encode(),
+            "verify.json": json_bytes(document),
+            "junit.xml": junit_bytes(result, strict),
+        }
+        folder.write_folder(out, files, force)
+    if as_json:
+        typer.echo(json.dumps(document, indent=2, ensure_ascii=False))
+    else:
+        from rigsim.present.verify_console import print_verify
+
+        print_verify(result, strict, again, out)
+
+
+@contextmanager
+def _triangulators(
+    names: tuple[str, ...], commands: tuple[str, ...], timeout_s: float
+) -> Iterator[dict[str, Triangulator]]:
+    """By the name they have in tables; those of somebody else run outside this process."""
+    from rigsim.study.verify.triangulators import named
+    from rigsim.study.verify.worker import IsolatedTriangulator
+
+    found: dict[str, Triangulator] = {}
+    with ExitStack() as stack:
+        for name in names:
+            if ":" in name:
+                found[name] = stack.enter_context(IsolatedTriangulator(name, timeout_s))
+            else:
+                found[name] = named(name)
+        for command in commands:
+            from rigsim.interop.exec_contract import ExecTriangulator
+
+            if command in found:
+                raise InvalidRange(f"exec {command!r}: given twice; remove one")
+            found[command] = ExecTriangulator(command, timeout_s)
+        yield found
+
+
+def _gathered(selection: Selection) -> Gathered:
+    from rigsim.sim import library
+    from rigsim.study.verify.session import gather
+
+    n_scenes = len(library.names() if selection.scenes is None else selection.scenes)
+    with shown(n_scenes, "scenes") as progress:
+        return gather(selection, progress) if progress is not None else gather(selection)
+
+
+def _words(given: list[str] | None, name: str) -> tuple[str, ...]:
+    """The words of a repeatable option, each of which may hold several with commas."""
+    found = [word.strip() for text in given or () for word in text.split(",")]
+    for place, word in enumerate(found):
+        if not word:
+            raise InvalidRange(f"{name}: empty; name one, or several with commas")
+        if word in found[:place]:
+            raise InvalidRange(f"{name} {word!r}: given twice; remove one")
+    return tuple(found)
+
+
+def _scenes(given: list[str] | None) -> tuple[str, ...] | None:
+    if given is None:
+        return None
+    scenes = _words(given, "scene")
+    if _NO_SCENE in scenes:
+        if len(scenes) > 1:
+            raise InvalidRange("scene none: given with others; remove one or the other")
+        return ()
+    return scenes
+
+
+def _again(
+    options: RigOptions, scene: list[str] | None, suite: str, strict: bool, seed: int, timeout: str
+) -> list[str]:
+    """The words that make the same cases again, those left at their defaults left out."""
+    said = ["rigsim", "verify"]
+    for name in RigOptions.__dataclass_fields__:
+        value = getattr(options, name)
+        if value is not None:
+            said += [f"--{name.replace('_', '-')}", str(value)]
+    for text in scene or ():
+        said += ["--scene", text]
+    if suite != "quick":
+        said += ["--suite", suite]
+    if strict:
+        said.append("--strict")
+    if seed:
+        said += ["--seed", str(seed)]
+    if timeout != "10s":
+        said += ["--timeout", timeout]
+    return said
