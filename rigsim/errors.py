@@ -12,6 +12,7 @@
     ├── RenderUnavailable     no renderer of the kind asked for
     ├── RenderMismatch        the renderer disagrees with rays or with the rig
     ├── TriangulatorError     a triangulator that is unknown, raises, or returns the wrong thing
+    │   └── TriangulatorTimeout   one that does not come back
     ├── MeasurementFailed     nothing that was looked for was found in the pictures
     └── OutputError           a file or folder that cannot be read or written
 
@@ -60,6 +61,10 @@ class RenderMismatch(RigsimError, RuntimeError):
 
 class TriangulatorError(RigsimError, ValueError):
     """A triangulator that is unknown, raises, or returns the wrong thing."""
+
+
+class TriangulatorTimeout(TriangulatorError):
+    """A triangulator that takes longer than it may."""
 
 
 class MeasurementFailed(RigsimError, RuntimeError):

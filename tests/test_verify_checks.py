@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from rigsim.errors import TriangulatorTimeout
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.noise import PixelNoise
@@ -20,7 +21,7 @@ from rigsim.study.verify.runner import run_case, verify
 from rigsim.study.verify.suite import stream, synthetic_cases
 from rigsim.study.verify.synthetic import GEOMETRIES, degenerate, exact, noisy, random_geometry
 from rigsim.study.verify.triangulators import KNOWN
-from rigsim.theory.custom import Triangulator
+from rigsim.theory.custom import CheckedTriangulator, Triangulator
 from rigsim.theory.triangulation import METHODS, triangulate
 
 RIG = StereoRig.rectified(Intrinsics.from_focal(1001, 1001, 1000.0), 0.1)
@@ -178,3 +179,20 @@ def test_the_rows_of_a_case_are_the_same_whatever_else_is_asked_for() -> None:
     beside = {case.name: case for case in synthetic_cases("quick", 5, RIG)}
     assert set(beside) - set(alone) == {"your rig exact", "your rig noisy"}
     assert all(np.array_equal(alone[name].uv_left, beside[name].uv_left) for name in alone)
+
+
+def test_one_that_never_comes_back_is_asked_three_times() -> None:
+    calls = []
+
+    class Hanging:
+        name = "hanging"
+
+        def __call__(self, rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
+            calls.append(len(uv_left))
+            raise TriangulatorTimeout("took longer than 1 s")
+
+    cases = [exact(geometry, 5, stream(0, "x")) for geometry in GEOMETRIES[:6]]
+    (result,) = verify(cases, {"hanging": CheckedTriangulator(lambda *_: None, "x"), "slow": Hanging()})[1:]
+    assert len(calls) == 3
+    assert [one.error for one in result.results[3:]] == ["not asked: the 3 cases before took too long"] * 3
+    assert not result.passed()

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from rigsim import programs
-from rigsim.errors import OutputError, TriangulatorError
+from rigsim.errors import OutputError, TriangulatorError, TriangulatorTimeout
 from rigsim.interop.exec_files import POINTS, parse_points, task_files
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
@@ -68,7 +68,7 @@ class ExecTriangulator:
                 return parse_points(_read(folder / POINTS, len(uv_left)), len(uv_left))
             except TriangulatorError as error:
                 where = f" (kept in {self.folder})" if self.folder else ""
-                raise TriangulatorError(f"program {self.name!r}: {error}{where}") from None
+                raise type(error)(f"program {self.name!r}: {error}{where}") from None
 
     @contextlib.contextmanager
     def _new_folder(self) -> Iterator[Path]:
@@ -93,7 +93,7 @@ class ExecTriangulator:
                 reason = error.strerror or error
                 raise TriangulatorError(f"cannot be started ({reason}); name its interpreter first") from None
             except subprocess.TimeoutExpired:
-                raise TriangulatorError(
+                raise TriangulatorTimeout(
                     f"took longer than {self.timeout_s:g} s: ended; make it faster, or allow more with"
                     " --timeout"
                 ) from None

@@ -49,6 +49,8 @@ class CaseResult:
     """What was checked; empty when nothing came back."""
     error: str = ""
     """Why nothing usable came back, one line; empty when something did."""
+    timed_out: bool = False
+    """Whether that is that it took too long."""
     not_applicable: str = ""
     """Why the triangulator is not meant for this case; empty when it is."""
     found_left: Array | None = None

@@ -8,13 +8,15 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from rigsim.errors import TriangulatorError
+from rigsim.errors import TriangulatorError, TriangulatorTimeout
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.checks import judge, statistical_checks
 from rigsim.study.verify.result import CaseResult, Check, TriangulatorResult
 from rigsim.study.verify.triangulators import not_applicable
 from rigsim.theory.custom import CheckedTriangulator, Triangulator
 
+PATIENCE = 3
+"""A triangulator that does not come back from so many cases in a row is not asked again."""
 FALSE_ALARM = 1e-4
 """Probability that a correct triangulator fails any of the random checks of a whole run."""
 
@@ -37,9 +39,14 @@ def verify(
     one = false_alarm / max(1, sum(statistical_checks(case) for case in cases) * len(triangulators))
     finished = []
     for label, function in triangulators.items():
-        results = []
+        results: list[CaseResult] = []
         for case in cases:
-            results.append(run_case(case, label, function, one))
+            last = results[-PATIENCE:]
+            if len(last) == PATIENCE and all(result.timed_out for result in last):
+                why = f"not asked: the {PATIENCE} cases before took too long"
+                results.append(CaseResult(case, label, error=why, timed_out=True))
+            else:
+                results.append(run_case(case, label, function, one))
             on_result(results[-1])
         finished.append(TriangulatorResult(label, tuple(results)))
     return tuple(finished)
@@ -56,7 +63,12 @@ def run_case(case: Case, label: str, function: Triangulator, false_alarm: float)
         found_left = checked(case.rig, case.uv_left, case.uv_right)
     except TriangulatorError as error:
         return CaseResult(
-            case, label, error=str(error), seconds=time.perf_counter() - start, notes=_notes(function)
+            case,
+            label,
+            error=str(error),
+            timed_out=isinstance(error, TriangulatorTimeout),
+            seconds=time.perf_counter() - start,
+            notes=_notes(function),
         )
     seconds = time.perf_counter() - start
     own = getattr(function, "seconds", math.nan)  # of one that runs elsewhere, without the way there

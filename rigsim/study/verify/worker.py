@@ -23,7 +23,7 @@ from typing import IO, Any
 import numpy as np
 
 from rigsim import programs
-from rigsim.errors import TriangulatorError
+from rigsim.errors import TriangulatorError, TriangulatorTimeout
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
 from rigsim.theory.custom import first_line, load
@@ -126,7 +126,7 @@ class IsolatedTriangulator:
             answer = self._answer(question, timeout_s)
         except TimeoutError:
             self._end()
-            raise TriangulatorError(f"triangulator {self.name!r} {late.format(timeout_s)}") from None
+            raise TriangulatorTimeout(f"triangulator {self.name!r} {late.format(timeout_s)}") from None
         except (EOFError, OSError):
             how = self._end(_GRACE_S)
             said = "" if self._said is None else programs.last_words(self._said, begin)
