@@ -24,7 +24,7 @@ GROUP_HEADS = (
     "worst\nwithout noise",
     "error over\nits bound",
     "depth RMS",
-    "allowed by\nthe noise",
+    "expected\nof the noise",
     "verdict",
 )
 """Columns of `group_rows`."""

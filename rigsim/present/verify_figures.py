@@ -92,21 +92,23 @@ def _draw_depth_errors(axes: Axes, result: CaseResult, answered: Mask) -> None:
     case = result.case
     assert result.found_left is not None
     truth = case.points_left[answered]
-    depth, error = truth[:, 2], np.abs(result.found_left[answered, 2] - truth[:, 2]) * 1e3
+    error = np.abs(result.found_left[answered, 2] - truth[:, 2])
+    factor, unit = (1.0, "m") if np.median(error) >= 1 else (1e3, "mm")
+    depth, error = truth[:, 2], error * factor
     shown = error > 0
     axes.scatter(depth[shown], error[shown], s=4, color=style.BLUE, rasterized=True)
     drawn = error[shown]
     if case.covariance_px2 is not None:
         covariance = np.broadcast_to(case.covariance_px2, (len(case), 4, 4))[answered]
         gain = pixel_gain(case.rig, truth)[:, 2]
-        std = np.sqrt(np.einsum("ni,nij,nj->n", gain, covariance, gain)) * 1e3
+        std = np.sqrt(np.einsum("ni,nij,nj->n", gain, covariance, gain)) * factor
         axes.scatter(depth, std, s=3, color=style.VERMILION, rasterized=True)
         drawn = np.concatenate([drawn, std])
-        axes.set_title("Depth error, orange: what the noise causes", fontsize=9.5)
+        axes.set_title("Depth error; of the noise: orange", fontsize=9.5)
     else:
         axes.set_title("Depth error", fontsize=9.5)
     axes.set_xlabel("true depth, m")
-    axes.set_ylabel("depth error, mm")
+    axes.set_ylabel(f"depth error, {unit}")
     _log_axis(axes, "x", depth, 4)
     _log_axis(axes, "y", drawn, 6)
 

@@ -11,7 +11,7 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.study.provenance import versions
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.result import CaseResult, VerifyResult
-from rigsim.study.verify.runner import FALSE_ALARM, verify
+from rigsim.study.verify.runner import verify
 from rigsim.study.verify.suite import scene_cases, selected, synthetic_cases
 from rigsim.theory.custom import Triangulator
 
@@ -93,7 +93,7 @@ def run(
         selection.seed,
         verify(gathered.cases, triangulators, on_result),
         gathered.left_out,
-        {"command": command, **versions(), "false_alarm": FALSE_ALARM},
+        {"command": command, **versions()},
     )
 
 

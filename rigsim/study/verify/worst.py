@@ -9,7 +9,6 @@ import numpy as np
 from rigsim.rig.arrays import Array
 from rigsim.study.verify.result import CaseResult
 
-
 _WRONG_PX = 1e-6  # less is rounding
 
 
