@@ -11,6 +11,7 @@ import numpy as np
 from rigsim.errors import TriangulatorError, TriangulatorTimeout
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.checks import judge, statistical_checks
+from rigsim.study.verify.diagnosis import diagnose
 from rigsim.study.verify.result import CaseResult, Check, TriangulatorResult
 from rigsim.study.verify.triangulators import not_applicable
 from rigsim.theory.custom import CheckedTriangulator, Triangulator
@@ -48,7 +49,7 @@ def verify(
             else:
                 results.append(run_case(case, label, function, one))
             on_result(results[-1])
-        finished.append(TriangulatorResult(label, tuple(results)))
+        finished.append(TriangulatorResult(label, tuple(results), diagnose(results)))
     return tuple(finished)
 
 
