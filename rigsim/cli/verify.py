@@ -17,7 +17,7 @@ from rigsim.cli import quantity
 from rigsim.cli.options import Json, takes_rig
 from rigsim.cli.progress import shown
 from rigsim.cli.rigs import DEFAULT_PRESET, RigOptions
-from rigsim.errors import InvalidRange
+from rigsim.errors import InvalidRange, OutputError
 
 if TYPE_CHECKING:
     from rigsim.study.verify.result import CaseResult, VerifyResult
@@ -92,6 +92,8 @@ def verify(
 
     if out is not None:
         folder.check_output(out, force)
+    if junit is not None and not junit.absolute().parent.is_dir():
+        raise OutputError(f"junit {junit}: its folder does not exist; make it, or choose another one")
     from rigsim.study.verify.session import Selection, run
 
     selection = Selection(

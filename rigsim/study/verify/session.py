@@ -73,10 +73,13 @@ def gather(selection: Selection, on_scene: Callable[[int], None] = lambda _: Non
         if any(selected(f"{name} {what}", name, patterns) for what in _OF_A_SCENE):
             cases += _of_scene(selection, scene, name, left_out)
         on_scene(done)
+    left_out += [
+        f"cases {pattern!r}: the scene has none of that kind in this suite"
+        for pattern in patterns
+        if not any(selected(case.name, case.group, [pattern]) for case in cases)
+    ]
     if not cases:
-        raise InvalidRange(
-            f"cases {', '.join(patterns)}: none could be made; {'; '.join(left_out) or 'none'}"
-        )
+        raise InvalidRange(f"no case could be made; {'; '.join(left_out)}")
     return Gathered(tuple(cases), tuple(left_out))
 
 
