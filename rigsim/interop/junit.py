@@ -10,7 +10,7 @@ import re
 from xml.etree import ElementTree
 
 from rigsim.study.verify.result import CaseResult, TriangulatorResult, VerifyResult
-from rigsim.study.verify.words import diagnosis, failures, reason
+from rigsim.study.verify.words import diagnoses, failures, reason
 
 _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
@@ -46,8 +46,7 @@ def _suite(one: TriangulatorResult, result: VerifyResult, strict: bool) -> Eleme
     for case in one.results:
         suite.append(_case(case, strict))
     if one.diagnoses:
-        said = "\n".join(diagnosis(found) for found in one.diagnoses)
-        ElementTree.SubElement(suite, "system-out").text = _clean(said)
+        ElementTree.SubElement(suite, "system-out").text = _clean("\n".join(diagnoses(one.diagnoses)))
     return suite
 
 

@@ -141,7 +141,7 @@ def _section(one: TriangulatorResult, strict: bool, again: Sequence[str], prefix
         failure_rows(failed, strict),
         [(case.case.name, case.error) for case in bad if case.error],
         [f"{case.case.name}: {note}" for case in one.results for note in case.notes],
-        [words.diagnosis(found) for found in one.diagnoses],
+        words.diagnoses(one.diagnoses),
         [
             _failing(case, _about(case, one), strict, f"{prefix}c{place}")
             for place, case in enumerate(detailed)

@@ -161,8 +161,8 @@ def _print_one(one: TriangulatorResult, strict: bool, again: Sequence[str], cons
     if good:
         paragraph(console, f"Passed: {', '.join(good)}.")
     _print_notes(one, console)
-    for found in one.diagnoses:
-        paragraph(console, f"Diagnosis: {words.diagnosis(found)}", style="bold")
+    for sentence in words.diagnoses(one.diagnoses):
+        paragraph(console, sentence, style="bold" if sentence.startswith("Diagnosis") else "")
     if again:
         say(console, f"Again: {rerun(one, strict, again)}")
     console.print()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from rigsim.study.verify.result import CaseResult, Check, Diagnosis, TriangulatorResult
 
@@ -126,3 +127,14 @@ def diagnosis(found: Diagnosis) -> str:
         f"{found.mistake}: {says}. That explains {100 * found.explained:.0f} % of the error in {n} failing "
         f"case{'s' if n != 1 else ''}."
     )
+
+
+def diagnoses(found: Sequence[Diagnosis]) -> list[str]:
+    """All of them, best first; one that explains no case more than those before it is less likely."""
+    said: list[str] = []
+    explained: set[str] = set()
+    for one in found:
+        label = "Less likely" if said and explained.issuperset(one.cases) else "Diagnosis"
+        said.append(f"{label}: {diagnosis(one)}")
+        explained.update(one.cases)
+    return said
