@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import shlex
+import sys
+from fractions import Fraction
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from rigsim.cli import quantity
 from rigsim.cli.options import single_rig, takes_rig
 from rigsim.cli.rigs import RigOptions
+from rigsim.cli.sensors import Blur, FullWell, ImageNoise, ReadNoise, SensorName, sensor_from
 from rigsim.errors import InvalidRange
 
 app = typer.Typer(
@@ -18,6 +23,7 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
+_MOVE = quantity.Kind("move", "mm", {"mm": Fraction(1), "cm": Fraction(10), "m": Fraction(1000)}, at_least=0)
 _RIG_FORMATS = "opencv, ros, kalibr, middlebury, colmap, mjcf or nerfstudio."
 
 
@@ -40,3 +46,67 @@ def rig(
     files = rig_files(one, format)
     folder.write_folder(out, files, force)
     typer.echo(f"{out}: {', '.join(files)}; read it back with --rig {out}")
+
+
+@app.command()
+@takes_rig
+def dataset(
+    options: RigOptions,
+    format: Annotated[str, typer.Option(metavar="FORMAT", help="middlebury, kitti, opencv or colmap.")],
+    frames: Annotated[int, typer.Option(metavar="N", help="How many stereo pairs.")],
+    out: Annotated[Path, typer.Option(help="Folder of the data set.")],
+    scene: Annotated[str, typer.Option(help="A bundled scene's name, or an MJCF file.")] = "boards",
+    mount: Annotated[
+        str | None, typer.Option(help="Where the rig sits: body:NAME, site:NAME or camera:NAME.")
+    ] = None,
+    move: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LENGTH",
+            help="Farthest move off the mount, along each axis; by default 5 % of the depth there.",
+        ),
+    ] = None,
+    turn: Annotated[
+        float, typer.Option(metavar="DEG", help="Farthest turn off the mount, about each axis.")
+    ] = 3.0,
+    sensor: SensorName = None,
+    blur: Blur = None,
+    image_noise: ImageNoise = None,
+    full_well: FullWell = None,
+    read_noise: ReadNoise = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of the viewpoints and the noise.")] = 0,
+    renderer: Annotated[str, typer.Option(help="auto, egl, osmesa or rays.")] = "auto",
+    force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
+) -> None:
+    """Render stereo pairs from varied viewpoints, with true depth or disparity, masks and calibration."""
+    one = options.single(scene)
+    camera = sensor_from(
+        sensor, options.rig, blur=blur, image_noise=image_noise, full_well=full_well, read_noise=read_noise
+    )
+    move_m = None if move is None else quantity.value(move, _MOVE) / 1e3
+
+    from rigsim.interop import folder
+    from rigsim.interop.dataset import check_format, write_dataset
+
+    check_format(format, one)
+    folder.check_output(out, force)
+
+    from dataclasses import asdict
+
+    from rigsim.sim.simulator import Simulator
+    from rigsim.study.dataset import render_frames
+    from rigsim.study.provenance import simulator_provenance
+
+    with Simulator(scene, mount, renderer) as simulator:
+        simulator.place(one)
+        made = render_frames(simulator, one, frames, sensor=camera, seed=seed, move_m=move_m, turn_deg=turn)
+        manifest = {
+            "seed": seed,
+            "move_mm": None if move_m is None else move_m * 1e3,
+            "turn_deg": turn,
+            "sensor": asdict(camera),
+            **simulator_provenance(simulator),
+            "command": shlex.join(["rigsim", *sys.argv[1:]]),
+        }
+        write_dataset(out, format, one, made, count=frames, manifest=manifest, force=force)
+    typer.echo(f"{out}: {frames} stereo pair(s) of {scene} for {format}; their rig: --rig {out}")

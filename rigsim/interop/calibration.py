@@ -39,6 +39,10 @@ _IN_FOLDERS = (
     "cameras.txt",
     "rig.xml",
     "transforms.json",
+    # of a data set of `rigsim.interop.dataset`: that of its first frame, as all have the same
+    "000000/calib.txt",
+    "training/calib_cam_to_cam/000000.txt",
+    "sparse/0/cameras.txt",
 )
 _KNOWN = "rig.toml, stereo.yml, camchain.yaml, left.yaml, calib.txt, cameras.txt, rig.xml or transforms.json"
 _MIDDLEBURY = re.compile(r"^\s*cam0\s*=", re.MULTILINE)

@@ -10,7 +10,8 @@ import errno
 import os
 import secrets
 import shutil
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 from rigsim.errors import OutputError
@@ -75,6 +76,45 @@ def write_folder(path: Path, files: Mapping[str, bytes], force: bool = False) ->
             for name in files:
                 os.replace(temporary / name, path / name)
     except OSError as error:
+        raise _explained(path, error) from None
+    finally:
+        if temporary is not None:
+            shutil.rmtree(temporary, ignore_errors=True)
+            if not path.exists():
+                _remove_empty(made)
+
+
+@contextmanager
+def folder_in_progress(
+    path: Path, force: bool = False, *, needed_bytes: int = NEEDED_BYTES
+) -> Iterator[Path]:
+    """A folder to fill, with subfolders as wanted, that becomes `path` once the block ends without an error.
+
+    For what does not fit memory at once. A new folder appears whole. With `force` the files are moved in one
+    by one, each whole, and files of other names stay.
+
+    Raises:
+        OutputError: as `check_output`, and when the disk fails on the way; nothing is left of it.
+    """
+    check_output(path, force, needed_bytes=needed_bytes)
+    made: list[Path] = []
+    temporary: Path | None = None
+    try:
+        made = _make_parents(path)
+        is_new = not path.exists()
+        temporary = _temporary_beside(path)
+        yield temporary
+        if is_new:
+            os.rename(temporary, path)
+            temporary, made = None, []
+        else:
+            for file in sorted(part for part in temporary.rglob("*") if part.is_file()):
+                target = path / file.relative_to(temporary)
+                target.parent.mkdir(parents=True, exist_ok=True)
+                os.replace(file, target)
+    except OSError as error:
+        if isinstance(error, OutputError):
+            raise
         raise _explained(path, error) from None
     finally:
         if temporary is not None:

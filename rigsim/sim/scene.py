@@ -75,13 +75,19 @@ class Scene:
         """Which geom groups are visible, (6,) uint8: the same for pictures and rays."""
         return np.asarray(self.options.geomgroup, dtype=np.uint8).copy()
 
-    def place(self, rig: StereoRig) -> None:
-        """Move the two cameras to `rig`, in place: no recompile."""
+    def place(self, rig: StereoRig, mount_from_rig: Pose | None = None) -> None:
+        """Move the two cameras to `rig`, in place: no recompile.
+
+        Args:
+            rig: the rig.
+            mount_from_rig: where it sits off its mount, in the rig's own axes; None is on it.
+        """
+        world_from_rig = self.world_from_rig @ (mount_from_rig or Pose())
         rig_from_left = rig.rig_from_left
         poses = (rig_from_left, rig_from_left @ rig.right_from_left.inverse)
         for side, rig_from_camera in enumerate(poses):
             camera_id = self.camera_ids[side]
-            world_from_camera = self.world_from_rig @ rig_from_camera
+            world_from_camera = world_from_rig @ rig_from_camera
             quat = np.empty(4)
             mujoco.mju_mat2Quat(quat, (world_from_camera.R @ CV_FROM_GL).ravel())
             self.model.cam_pos[camera_id] = world_from_camera.t

@@ -10,6 +10,7 @@ import numpy as np
 from rigsim.errors import InvalidRig
 from rigsim.rig.arrays import Array, Ids, Light, Mask
 from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim import backend
 from rigsim.sim.frame import StereoFrame, View
@@ -76,9 +77,14 @@ class Simulator:
     ) -> None:
         self.close()
 
-    def place(self, rig: StereoRig) -> None:
-        """Move the rig; no picture is drawn yet."""
-        self.scene.place(rig)
+    def place(self, rig: StereoRig, mount_from_rig: Pose | None = None) -> None:
+        """Move the rig, onto its mount or off it by `mount_from_rig`; no picture is drawn yet."""
+        self.scene.place(rig, mount_from_rig)
+
+    @property
+    def left_from_world(self) -> Pose:
+        """Where the placed rig's left camera is, OpenCV axes."""
+        return self.scene.world_from_camera(0).inverse
 
     def render(
         self, supersample: int = SUPERSAMPLE, lenses: tuple[Intrinsics, Intrinsics] | None = None
