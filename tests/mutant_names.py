@@ -1,0 +1,100 @@
+"""What a verification may name for each mutant, judged before it was asked.
+
+A name, as `rigsim.study.verify.result.Diagnosis.mistake` has it, and after a space a word that its
+sentence must hold. None where no name of those that there are would lead to the mistake.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from rigsim.study.verify.result import Diagnosis
+from tests.mutant import Mutant
+
+NAMES: Mapping[str, tuple[str, ...]] = {
+    "swapped-pixels": ("swapped-images",),
+    "corner-origin": ("half-pixel", "pixel-offset 0.5"),
+    "middle-at-half-width": ("half-pixel", "pixel-offset 0.5"),
+    "half-pixel-right": ("half-pixel right", "pixel-offset 0.5"),
+    "rows-from-below": ("flipped-v",),
+    "rows-for-columns": ("row-column-exchanged",),
+    "whole-pixels": ("rounded-pixels whole",),
+    "sixteenths": (
+        "rounded-pixels 16",
+        "rounded-pixels 0.0625",
+        "rounded-disparity 16",
+        "rounded-disparity 0.0625",
+    ),
+    "cameras-exchanged": ("swapped-intrinsics",),
+    "one-camera-matrix": ("left-intrinsics-for-both",),
+    "no-doffs": ("doffs-ignored",),
+    "centred-cameras": ("image-centre-for-principal-point",),
+    "square-pixels": ("fx-for-fy",),
+    "centre-exchanged": (),
+    "long-focal": ("focal-scale",),
+    "half-resolution": ("image-scale",),
+    "transposed-rotation": ("transposed-rotation",),
+    "inverse-pose": ("inverse-pose",),
+    "negated-baseline": ("baseline-sign",),
+    "translation-as-centre": ("centre-for-translation",),
+    "no-rotation": ("rotation-ignored",),
+    "radians-as-degrees": ("degrees-for-radians",),
+    "rotvec-as-euler": ("euler-order",),
+    "sideways-baseline": ("baseline-along-x-only",),
+    "never-rectified": ("treated-as-rectified",),
+    "no-undistortion": ("distortion-ignored both",),
+    "distorted-again": ("distortion-inverted",),
+    "undistorted-twice": ("distortion-twice",),
+    "right-lens-forgotten": ("distortion-ignored right",),
+    "tangential-exchanged": ("distortion-p1-p2",),
+    "k3-third": ("distortion-order",),
+    "impatient-newton": ("undistortion-unfinished",),
+    "right-frame": ("right-frame",),
+    "rig-frame": ("rig-frame",),
+    "rectified-frame": ("rectified-frame",),
+    "ros-axes": ("ros-axes",),
+    "opengl-axes": ("opengl-axes",),
+    "y-up": ("flipped-y",),
+    "millimetres": ("millimetres",),
+    "metres-for-millimetres": ("metres-per-thousand",),
+    "ray-length": ("ray-length-for-depth",),
+    "depth-along-ray": ("ray-length-for-depth",),
+    "sixteen-bits": ("rounded-answers",),
+    "single-precision": ("single-precision",),
+    "half-precision": ("half-precision", "rounded-answers"),
+    "clamped-disparity": ("disparity-clamped", "small-disparities-wrong"),
+    "absolute-disparity": ("behind-in-front", "points-made-up"),
+    "unchecked": ("points-made-up",),
+    "zero-beyond-20-m": ("far-points-zero", "small-disparities-zero"),
+    "zero-for-nan": ("nan-answered", "points-made-up"),
+    "prior": ("shrunk-depth",),
+    "sorted-rows": ("rows-reordered",),
+    "dropped-rows": ("rows-dropped",),
+    "first-row-everywhere": ("constant-answer",),
+    "next-rows-pixel": (),
+    "eager-filter": ("rows-missing", "far-points-missing"),
+    "stale": ("stale-rig first",),
+    "own-noise": ("inefficient noise",),
+    "wasteful": ("inefficient",),
+    "file-baseline-negated": ("baseline-sign",),
+    "file-rotation-by-columns": ("transposed-rotation",),
+    "file-pose-inverted": ("inverse-pose",),
+    "file-baseline-in-mm": ("millimetres",),
+    "file-cameras-exchanged": ("swapped-intrinsics",),
+    "file-distortion-dropped": ("distortion-ignored both",),
+    "file-k3-dropped": ("distortion-k3",),
+    "file-k3-third": ("distortion-order",),
+    "file-corner-origin": ("half-pixel", "pixel-offset 0.5"),
+    "file-four-digits": (),
+    "file-projections-of-raw-pixels": ("treated-as-rectified",),
+}
+
+
+def named_right(mutant: Mutant, named: Sequence[Diagnosis]) -> bool:
+    """Whether the diagnosis that comes first says what is wrong."""
+    if not named:
+        return False
+    return any(
+        named[0].mistake == name and word in named[0].says
+        for name, _, word in (allowed.partition(" ") for allowed in NAMES[mutant.name])
+    )
