@@ -5,9 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 import sys
-from collections.abc import Iterator, Mapping
-from contextlib import ExitStack, contextmanager
-from fractions import Fraction
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -17,19 +15,16 @@ from rigsim.cli import quantity
 from rigsim.cli.options import Json, takes_rig
 from rigsim.cli.progress import shown
 from rigsim.cli.rigs import DEFAULT_PRESET, RigOptions
+from rigsim.cli.triangulators import TIMEOUT, resolved, words
 from rigsim.errors import InvalidRange, OutputError
 
 if TYPE_CHECKING:
     from rigsim.study.verify.result import CaseResult, VerifyResult
     from rigsim.study.verify.session import Gathered, Selection
-    from rigsim.theory.custom import Triangulator
 
 FAILED = 3
 """Exit code when a case failed."""
 
-_TIMEOUT = quantity.Kind(
-    "timeout", "s", {"ms": Fraction(1, 1000), "s": Fraction(1), "min": Fraction(60)}, above=0
-)
 _NO_SCENE = "none"
 
 
@@ -87,7 +82,7 @@ def verify(
     Tolerances follow from the noise, and a correct triangulator fails in one run of 10,000. A rig given by
     options is added to the cases and placed in every scene.
     """
-    timeout_s = quantity.value(timeout, _TIMEOUT)
+    timeout_s = quantity.value(timeout, TIMEOUT)
     from rigsim.interop import folder
 
     if out is not None:
@@ -99,15 +94,15 @@ def verify(
     selection = Selection(
         suite,
         seed,
-        _words(cases, "cases"),
+        words(cases, "cases"),
         _scenes(scene),
         None if options == RigOptions() else options.single(DEFAULT_PRESET),
     )
-    names = _words(triangulator, "triangulator")
+    names = words(triangulator, "triangulator")
     commands = tuple(exec_ or ())
     if not names and not commands:
         names = ("optimal",)
-    with _triangulators(names, commands, timeout_s) as known:
+    with resolved(names, commands, timeout_s) as known:
         gathered = _gathered(selection)
         if list_cases:
             from rigsim.present.verify_console import print_cases
@@ -168,30 +163,6 @@ def _deliver(
         print_verify(result, strict, again, out)
 
 
-@contextmanager
-def _triangulators(
-    names: tuple[str, ...], commands: tuple[str, ...], timeout_s: float
-) -> Iterator[dict[str, Triangulator]]:
-    """By the name they have in tables; those of somebody else run outside this process."""
-    from rigsim.study.verify.triangulators import named
-    from rigsim.study.verify.worker import IsolatedTriangulator
-
-    found: dict[str, Triangulator] = {}
-    with ExitStack() as stack:
-        for name in names:
-            if ":" in name:
-                found[name] = stack.enter_context(IsolatedTriangulator(name, timeout_s))
-            else:
-                found[name] = named(name)
-        for command in commands:
-            from rigsim.interop.exec_contract import ExecTriangulator
-
-            if command in found:
-                raise InvalidRange(f"exec {command!r}: given twice; remove one")
-            found[command] = ExecTriangulator(command, timeout_s)
-        yield found
-
-
 def _gathered(selection: Selection) -> Gathered:
     from rigsim.sim import library
     from rigsim.study.verify.session import gather
@@ -201,21 +172,10 @@ def _gathered(selection: Selection) -> Gathered:
         return gather(selection, progress) if progress is not None else gather(selection)
 
 
-def _words(given: list[str] | None, name: str) -> tuple[str, ...]:
-    """The words of a repeatable option, each of which may hold several with commas."""
-    found = [word.strip() for text in given or () for word in text.split(",")]
-    for place, word in enumerate(found):
-        if not word:
-            raise InvalidRange(f"{name}: empty; name one, or several with commas")
-        if word in found[:place]:
-            raise InvalidRange(f"{name} {word!r}: given twice; remove one")
-    return tuple(found)
-
-
 def _scenes(given: list[str] | None) -> tuple[str, ...] | None:
     if given is None:
         return None
-    scenes = _words(given, "scene")
+    scenes = words(given, "scene")
     if _NO_SCENE in scenes:
         if len(scenes) > 1:
             raise InvalidRange("scene none: given with others; remove one or the other")
