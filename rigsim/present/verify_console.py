@@ -33,6 +33,7 @@ FAILURE_HEADS = ("case", "check", "found", "allowed", "fails as well")
 
 _MOST_FAILURES = 24
 _MOST_NAMES = 3
+_RANDOM = re.compile(r"random \d+$")
 
 
 def print_verify(
@@ -67,12 +68,24 @@ def print_verify(
 
 
 def print_cases(cases: Iterable[Case], *, console: Console | None = None) -> None:
-    """Print which cases there are."""
+    """Print which cases there are: a line for those that share a rig, the random rigs as one."""
     cases = list(cases)
+    lines: dict[str, list[Case]] = {}
+    for case in cases:
+        shares = case.name.startswith(f"{case.group} ")
+        lines.setdefault(_RANDOM.sub("random*", case.group) if shares else case.name, []).append(case)
+    rows = []
+    for name, alike in lines.items():
+        group = alike[0].group
+        kinds = dict.fromkeys(case.name.removeprefix(f"{case.group} ") for case in alike)
+        sizes = dict.fromkeys(str(len(case)) for case in alike)
+        named = name == alike[0].name
+        rows.append((group if named else name, ", ".join(kinds), ", ".join(sizes), alike[0].about))
     print_table(
-        f"{len(cases)} cases (--cases takes names and groups, and * for any text)",
-        ("group", "case", "rows", "what it shows"),
-        [(case.group, case.name, len(case), case.about) for case in cases],
+        f'{len(cases)} cases; --cases takes a group, a case as "verged exact", and * for any text',
+        ("group", "cases", "rows", "what it shows"),
+        rows,
+        numeric=(False, False, True, False),
         console=console,
     )
 
@@ -204,8 +217,7 @@ def first_of_groups(results: Iterable[CaseResult]) -> list[CaseResult]:
 
 
 def _group(result: CaseResult) -> str:
-    group = result.case.group
-    return "random" if re.fullmatch(r"random \d+", group) else group
+    return _RANDOM.sub("random", result.case.group)
 
 
 def _groups(result: TriangulatorResult) -> dict[str, list[CaseResult]]:
@@ -218,7 +230,7 @@ def _groups(result: TriangulatorResult) -> dict[str, list[CaseResult]]:
 
 def _starred(groups: Sequence[str]) -> list[str]:
     """The groups, and one pattern in place of all random rigs."""
-    return list(dict.fromkeys("random*" if name.startswith("random ") else name for name in groups))
+    return list(dict.fromkeys(_RANDOM.sub("random*", name) for name in groups))
 
 
 def _exact(result: CaseResult) -> float:
