@@ -99,12 +99,13 @@ def _pixels(case: Case, points_left: Array) -> Array:
 
 
 def _nowhere(case: Case, found_left: Array) -> Check:
-    """Rows without an answer: a point in front of both cameras is made up."""
-    in_front = np.asarray(np.isfinite(_pixels(case, found_left)).all(axis=1))
-    in_front[in_front] = parallax_px(case.rig, found_left[in_front]) > AT_INFINITY_PX
+    """Rows without an answer: a point that is not behind a camera is made up, be it (0, 0, 0)."""
+    right = case.rig.right_from_left.apply(found_left)
+    made_up = np.isfinite(found_left).all(axis=1) & (found_left[:, 2] >= 0) & (right[:, 2] >= 0)
+    made_up[made_up] = ~(parallax_px(case.rig, found_left[made_up]) <= AT_INFINITY_PX)
     return Check(
         "nowhere",
-        float(in_front.sum()),
+        float(made_up.sum()),
         0.0,
         0.0,
         "rows",
