@@ -69,7 +69,11 @@ class IsolatedTriangulator:
         Raises:
             TriangulatorError: the function cannot be loaded.
         """
-        self._ready()
+        try:
+            self._ready()
+        except BaseException:
+            self.close()
+            raise
         return self
 
     def __exit__(
