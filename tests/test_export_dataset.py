@@ -259,6 +259,10 @@ def test_views_that_see_too_little_are_drawn_again(tmp_path: Path) -> None:
     rig = StereoRig.rectified(Intrinsics(64, 48, 60.0, 60.0, 31.5, 23.5), 0.1)
     with Simulator(scenes.write(tmp_path, scenes.SLANTED), renderer="rays") as simulator:
         frames = list(render_frames(simulator, rig, 6, sensor=Sensor(), seed=1, turn_deg=45))
+        near = min(float(np.nanmin(frame.depth_left)) for frame in frames)
+        floor = near * 1.01
+        farther = render_frames(simulator, rig, 6, sensor=Sensor(), seed=1, turn_deg=45, nearest_m=floor)
+        assert min(float(np.nanmin(frame.depth_left)) for frame in list(farther)[1:]) >= floor
         share = [np.isfinite(frame.depth_left).mean() for frame in frames]
         assert min(share) > 0.4 * share[0]
         for words, message in (
@@ -271,8 +275,29 @@ def test_views_that_see_too_little_are_drawn_again(tmp_path: Path) -> None:
             options = {"count": 1, "sensor": Sensor(), "seed": 1, **words}
             with pytest.raises(InvalidRange, match=message):
                 next(render_frames(simulator, rig, options.pop("count"), **options))
-        with pytest.raises(NothingSeen, match=r"of 50 views within 1e\+07 mm .* a smaller --move"):
+        with pytest.raises(
+            NothingSeen, match=r"of 50 views within 1e\+07 mm .* nothing nearer .* a smaller --move"
+        ):
             list(render_frames(simulator, rig, 2, sensor=Sensor(), seed=1, move_m=1e4))
+
+
+def test_a_sensor_of_12_bits_with_a_lens_fills_16(tmp_path: Path) -> None:
+    """What the lens bends is straightened, so that the rig stays a pinhole's, and white is near 65535."""
+    rig = StereoRig.rectified(Intrinsics(160, 120, 150.0, 150.0, 79.5, 59.5), 0.1)
+    bent = Sensor(bits=12, distortion=BrownConrady(k1=-0.1), full_well_e=8000.0, read_noise_e=3.0)
+    with Simulator("boards", renderer="rays") as simulator:
+        pictures = {
+            name: next(render_frames(simulator, rig, 1, sensor=sensor, seed=1)).pictures.left
+            for name, sensor in (("bent", bent), ("plain", Sensor()))
+        }
+    assert pictures["bent"].dtype == np.uint16
+    assert (pictures["bent"] % 16 == 0).all()
+    assert pictures["plain"].dtype == np.uint8
+    bright = pictures["plain"] > 100
+    assert np.median(pictures["bent"][bright] / 65520 - pictures["plain"][bright] / 255) == pytest.approx(
+        0, abs=0.02
+    )
+    assert np.corrcoef(pictures["bent"].ravel(), pictures["plain"].ravel())[0, 1] > 0.95
 
 
 # --- whole or absent ----------------------------------------------------------------------------

@@ -86,7 +86,7 @@ def dataset(
     move_m = None if move is None else quantity.value(move, _MOVE) / 1e3
 
     from rigsim.interop import folder
-    from rigsim.interop.dataset import check_format, write_dataset
+    from rigsim.interop.dataset import check_format, nearest_m, write_dataset
 
     check_format(format, one)
     folder.check_output(out, force)
@@ -99,7 +99,16 @@ def dataset(
 
     with Simulator(scene, mount, renderer) as simulator:
         simulator.place(one)
-        made = render_frames(simulator, one, frames, sensor=camera, seed=seed, move_m=move_m, turn_deg=turn)
+        made = render_frames(
+            simulator,
+            one,
+            frames,
+            sensor=camera,
+            seed=seed,
+            move_m=move_m,
+            turn_deg=turn,
+            nearest_m=nearest_m(format, one),
+        )
         manifest = {
             "seed": seed,
             "move_mm": None if move_m is None else move_m * 1e3,

@@ -23,7 +23,7 @@ from rigsim.errors import InvalidImage, InvalidRange, InvalidRig
 from rigsim.interop.colmap import colmap_files
 from rigsim.interop.folder import folder_in_progress
 from rigsim.interop.kitti import calib_cam_to_cam
-from rigsim.interop.middlebury import calib_text, disparity_png
+from rigsim.interop.middlebury import LARGEST_PNG_PX, calib_text, disparity_png
 from rigsim.interop.opencv_yaml import FILE_NAME as OPENCV_NAME
 from rigsim.interop.opencv_yaml import opencv_yaml
 from rigsim.interop.ply import ply_bytes
@@ -115,6 +115,11 @@ def check_format(format: str, rig: StereoRig) -> None:
     except InvalidRig as error:
         able = ", ".join(name for name in DATASET_FORMATS if _holds(name, rig))
         raise InvalidRig(f"format {format}: {error}; formats that hold this rig: {able}") from None
+
+
+def nearest_m(format: str, rig: StereoRig) -> float:
+    """The depth, m, of the largest disparity that a data set of `rig` can hold; 0 where there is no bound."""
+    return rig.left.fx * rig.baseline_m / LARGEST_PNG_PX if format == "kitti" else 0.0
 
 
 def _holds(format: str, rig: StereoRig) -> bool:

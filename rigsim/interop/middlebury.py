@@ -26,6 +26,8 @@ from rigsim.rig.stereo import StereoRig
 
 _DOFFS_TOLERANCE_PX = 2e-3  # the files print three decimals
 _PNG_SCALE = 256.0
+LARGEST_PNG_PX = 65535 / _PNG_SCALE
+"""Largest disparity in a 16 bit PNG of KITTI's, px."""
 _LINE = re.compile(r"\s*([A-Za-z]\w*)\s*=\s*(.+?)\s*$")
 
 

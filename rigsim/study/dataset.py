@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rigsim.errors import InvalidRange, NothingSeen
+from rigsim.measure.images import AnyImage
 from rigsim.measure.sensor import Sensor
 from rigsim.rig.arrays import Array, Image, Mask
 from rigsim.rig.pose import Pose
@@ -35,7 +36,7 @@ class DatasetFrame:
     rig: StereoRig
     """The calibration that the pictures are handed on with."""
     pictures: Pictures
-    """Grey levels of both pictures, (H, W), 8 or 16 bit."""
+    """Grey levels of both pictures, (H, W), uint8, or uint16 whose upper bits are the sensor's."""
     depth_left: Array
     """Depth at the left pixels' centres, (H, W), m; NaN for nothing."""
     depth_right: Array
@@ -61,7 +62,7 @@ class DatasetFrame:
         uv = step * np.column_stack([u, v]).astype(np.float64)
         rays = np.column_stack([self.rig.left.normalize(uv), np.ones(len(uv))])
         image = self.pictures.left[::step, ::step][v, u]
-        grey = image if image.dtype == np.uint8 else image // (int(image.max(initial=0)) // 256 + 1)
+        grey = image if image.dtype == np.uint8 else image >> 8
         return rays * depth[v, u][:, None], np.repeat(grey.astype(np.uint8)[:, None], 3, axis=1)
 
 
@@ -74,6 +75,7 @@ def render_frames(
     seed: int,
     move_m: float | None = None,
     turn_deg: float = TURN_DEG,
+    nearest_m: float = 0.0,
 ) -> Iterator[DatasetFrame]:
     """Frames of `rig` in the simulator's scene: the first one on the mount, the others moved and turned.
 
@@ -87,6 +89,7 @@ def render_frames(
         seed: of viewpoints and noise.
         move_m: farthest move along each axis; by default `MOVE_SHARE` of the first frame's median depth.
         turn_deg: farthest turn about each axis.
+        nearest_m: views of something nearer are drawn again, but for the first frame's.
 
     Raises:
         InvalidRange: a number out of bounds.
@@ -115,29 +118,44 @@ def render_frames(
             shift = rng.uniform(-1, 1, 6) * (0.0 if index == 0 else 1.0)
             simulator.place(rig, Pose.from_rotvec(np.radians(turn_deg) * shift[:3], reach * shift[3:]))
             seen, near, _ = _view(simulator, rig)
-            if index == 0 or (seen >= _LEAST_SHARE * share and near >= _LEAST_SHARE * nearest):
+            if index and not (
+                seen >= _LEAST_SHARE * share and near >= max(nearest_m, _LEAST_SHARE * nearest)
+            ):
+                continue
+            frame = _frame(simulator, rig, index, sensor, rng)
+            if index == 0 or not (frame.depth_left < nearest_m).any():
                 break
         else:
             raise NothingSeen(
                 f"scene {simulator.scene.name}: of {_TRIES} views within {reach * 1e3:.3g} mm and"
-                f" {turn_deg:g} deg none sees half of what the mount's sees; give a smaller --move or --turn"
+                f" {turn_deg:g} deg none will do: half of what the mount's sees, and nothing nearer than"
+                f" {max(nearest_m, _LEAST_SHARE * nearest):.3g} m; give a smaller --move or --turn"
             )
-        yield _frame(simulator, rig, index, sensor, rng)
+        yield frame
 
 
 def _frame(
     simulator: Simulator, rig: StereoRig, index: int, sensor: Sensor, rng: np.random.Generator
 ) -> DatasetFrame:
     exposure = expose_pair(simulator, rig, sensor, SUPERSAMPLE)
+    taken = exposure.pictures(sensor, rng)
     return DatasetFrame(
         index=index,
         rig=rig,
-        pictures=exposure.pictures(sensor, rng),
+        pictures=Pictures(_levels(taken.left, sensor), _levels(taken.right, sensor)),
         depth_left=exposure.frame.left.depth,
         depth_right=exposure.frame.right.depth,
         seen_by_both=np.isfinite(simulator.true_disparity(exposure.frame)),
         left_from_world=simulator.left_from_world,
     )
+
+
+def _levels(image: AnyImage, sensor: Sensor) -> AnyImage:
+    """Whole grey levels that fill their type, so that readers of 8 bits see 10 and 12 as well."""
+    levels = np.clip(np.rint(image), 0, sensor.full_scale)
+    if sensor.bits == 8:
+        return levels.astype(np.uint8)
+    return levels.astype(np.uint16) << np.uint16(16 - sensor.bits)
 
 
 def _view(simulator: Simulator, rig: StereoRig) -> tuple[float, float, float]:
