@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from rig_strategies import lenses, rectified_rigs, same_rig
 from rigsim.cli.app import run
 from rigsim.errors import InvalidRange, InvalidRig, OutputError
 from rigsim.interop.calibration import read_calibration
+from rigsim.interop.dataset import DATASET_FORMATS
 from rigsim.interop.export import RIG_FORMATS, rig_files
 from rigsim.interop.kitti import calib_cam_to_cam, parse_cam_to_cam
 from rigsim.interop.middlebury import calib_text, parse_calib
@@ -225,3 +227,30 @@ def test_the_command_says_what_is_missing(tmp_path: Path, capsys: pytest.Capture
     assert run(["export", "rig", "--baseline", "100", "--focal", "800", "--format", "ros", "--out", out]) == 2
     assert "an export needs --resolution" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+DOCUMENT = (Path(__file__).parents[1] / "docs" / "export.md").read_text()
+
+
+def test_what_the_document_shows_is_printed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "80")
+    blocks = re.findall(r"```text\n\$ \./run (.*?)\n(.*?)```", DOCUMENT, re.DOTALL)
+    assert len(blocks) == 4
+    for command, shown in blocks:
+        if "dataset" in command:
+            continue
+        run(shlex.split(command))
+        said = capsys.readouterr()
+        lines = (said.out + said.err).strip().splitlines()
+        assert [line.rstrip() for line in lines] == shown.strip().splitlines()
+    (example,) = re.findall(r"```python\n(.*?)```", DOCUMENT, re.DOTALL)
+    exec(compile(example, "export.md", "exec"), {})
+    same_rig(read_calibration(tmp_path / "stereo.yml"), read_calibration(tmp_path / "calibration"))
+
+
+def test_the_document_names_every_format() -> None:
+    rows = re.findall(r"^\| `(\w+)` \|", DOCUMENT, re.MULTILINE)
+    assert rows == [*RIG_FORMATS, *DATASET_FORMATS]

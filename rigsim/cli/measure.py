@@ -57,7 +57,7 @@ def measure(
 ) -> None:
     """Measure a pair of pictures: matches, depths, how accurate they are, and whether the rig fits.
 
-    Give the rig with --rig: a rig.toml, or the calib.txt of Middlebury.
+    Give the rig with --rig: a rig.toml, or another program's calibration (docs/export.md).
     """
     rows_cols = None if board is None else _board(board)
     pixels = None if target is None else _target(target)
@@ -73,7 +73,7 @@ def measure(
 
     image_left, image_right = read_image(left), read_image(right)
     if options == RigOptions():
-        raise InvalidRange("--rig is missing: give a rig.toml or a calib.txt, or --baseline and --focal")
+        raise InvalidRange("--rig is missing: give a rig.toml or another calibration, or --baseline and --focal")
     if options.rig is None and options.preset is None and options.resolution is None:
         options = replace(options, resolution=f"{image_left.shape[1]}x{image_left.shape[0]}")
     rig = single_rig(options, None)
