@@ -1,34 +1,41 @@
 """Triangulators side by side: how near the bound, how biased, how often they fail, how fast.
 
-Every method gets the same noisy pixels. Errors are judged in pixels and in 1/Z, as
-`rigsim.study.verify.checks` does and for its reasons: both stay Gaussian where depth does not.
+Every method gets the same noisy pixels, so differences between methods are surer than each number alone.
 """
 
 from __future__ import annotations
 
 import math
+import platform
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
 
-from rigsim.errors import InvalidRange, TriangulatorError
+from rigsim.errors import InvalidRange, MeasurementFailed, RigsimError, TriangulatorError, TriangulatorTimeout
+from rigsim.measure.opencv import load_cv2
 from rigsim.rig.arrays import Array
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.compare_row import Errors, bound, errors, figures
+from rigsim.study.provenance import versions
+from rigsim.study.verify.runner import PATIENCE
 from rigsim.study.verify.suite import own_geometry, stream
 from rigsim.study.verify.synthetic import GEOMETRIES, Geometry, visible_points
-from rigsim.theory.custom import Triangulator
-from rigsim.theory.uncertainty import parallax_px, pixel_gain
+from rigsim.theory.custom import CheckedTriangulator, Triangulator
 
 GEOMETRY_NAMES = tuple(geometry.name for geometry in GEOMETRIES)
 """Geometries that may be asked for."""
-DEFAULT_GEOMETRIES = ("rectified", "far", "verged", "forward", "unequal", "distorted")
+DEFAULT_METHODS = ("optimal", "dlt", "midpoint", "cv2")
 """What is compared unless something else is asked for."""
+DEFAULT_GEOMETRIES = ("rectified", "far", "verged", "forward", "unequal", "distorted")
+"""Where, unless something else is asked for."""
 DEFAULT_NOISES_PX = (0.1, 0.25, 0.5, 1.0, 2.0)
 """Noise levels unless something else is asked for, px."""
+SPEED_RUNS = 5
+"""Times each method is timed in each geometry; the median counts."""
 
 COLUMNS = (
     "geometry",
@@ -37,18 +44,28 @@ COLUMNS = (
     "n",
     "failed_share",
     "expected_failed_share",
+    "expected_failed_share_se",
+    "pixel_error_px",
+    "pixel_bound_px",
     "pixel_error_over_bound",
     "pixel_error_over_bound_se",
+    "bound_se",
+    "pixel_error_over_first",
+    "pixel_error_over_first_se",
     "depth_error_over_bound",
     "depth_bias_over_std",
     "depth_bias_over_std_se",
+    "expected_depth_bias_over_std",
     "depth_median_abs_mm",
     "points_per_second",
+    "speed_over_first",
 )
 """Columns of the table; a row is one triangulator in one geometry at one noise level."""
 
+_MOST_POINTS = 1_000_000
 _SPEED_POINTS = 20_000
-_SPEED_RUNS = 5
+_PROBE_POINTS = 500
+_SPEED_S = 0.5  # about as long may one timed run take
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +77,7 @@ class ComparisonPlan:
     noises_px: tuple[float, ...] = DEFAULT_NOISES_PX
     """Standard deviations per coordinate, px."""
     n_points: int = 20_000
-    """Rows for each geometry and noise level."""
+    """Points for each geometry and noise level."""
     seed: int = 0
     """Seed of points and noise."""
     rig: StereoRig | None = None
@@ -74,18 +91,21 @@ class ComparisonPlan:
             raise InvalidRange("a comparison needs at least one geometry or a --rig")
         if not self.noises_px:
             raise InvalidRange("a comparison needs at least one noise level")
-        for noise_px in self.noises_px:
+        for place, noise_px in enumerate(self.noises_px):
             if not (math.isfinite(noise_px) and noise_px > 0):
                 raise InvalidRange(f"noise {noise_px:g} px: must be > 0 and finite")
-        if not 100 <= self.n_points <= 1_000_000:
-            raise InvalidRange(f"points {self.n_points}: must be between 100 and 1,000,000")
+            if noise_px in self.noises_px[:place]:
+                raise InvalidRange(f"noise {noise_px:g} px: given twice; remove one")
+        if not 100 <= self.n_points <= _MOST_POINTS:
+            raise InvalidRange(f"points {self.n_points}: must be between 100 and {_MOST_POINTS:,}")
         if self.seed < 0:
             raise InvalidRange(f"seed {self.seed}: must be >= 0")
 
     def chosen(self) -> list[Geometry]:
-        """The geometries, a rig of the user's own first."""
+        """The geometries in the order asked for, a rig of the user's own first."""
         own = [] if self.rig is None else [own_geometry(self.rig)]
-        return own + [geometry for geometry in GEOMETRIES if geometry.name in self.geometries]
+        by_name = {geometry.name: geometry for geometry in GEOMETRIES}
+        return own + [by_name[name] for name in self.geometries]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,107 +116,158 @@ class ComparisonResult:
     """Columns as in `COLUMNS`."""
     plan: ComparisonPlan
     """What was asked for."""
-    left_out: tuple[str, ...]
-    """Triangulators that do not fit a geometry or broke there, a sentence each."""
+    triangulators: tuple[str, ...]
+    """All that were asked, in order."""
+    left_out: tuple[str, ...] = ()
+    """What does not fit a geometry, broke there or is not installed, a sentence each."""
+    provenance: Mapping[str, object] = field(default_factory=dict)
+    """Command and versions."""
+
+
+class _LeftOut:
+    """Why methods were left out, and where, each reason once."""
+
+    def __init__(self) -> None:
+        self.places: dict[str, list[str]] = {}
+        self.timeouts: dict[str, int] = {}
+
+    def add(self, label: str, error: RigsimError, place: str) -> None:
+        said = str(error)
+        self.places.setdefault(said if label in said else f"{label}: {said}", []).append(place)
+        if isinstance(error, TriangulatorTimeout):
+            self.timeouts[label] = self.timeouts.get(label, 0) + 1
+
+    def sentences(self) -> tuple[str, ...]:
+        return tuple(f"{said} (in {', '.join(places)})" for said, places in self.places.items())
 
 
 def compare(
     plan: ComparisonPlan,
     triangulators: Mapping[str, Triangulator],
     on_step: Callable[[], None] = lambda: None,
+    left_out: tuple[str, ...] = (),
+    provenance: Mapping[str, object] | None = None,
 ) -> ComparisonResult:
     """Run every triangulator, by the name it has in tables, in every geometry at every noise level.
 
+    One that raises is told, and the others go on. One that does not come back three times is not asked again.
+
     Args:
         plan: what to compare.
-        triangulators: the methods.
+        triangulators: the methods; the others' ratios are to the first one.
         on_step: is called after each geometry and noise level.
+        left_out: sentences on what was left out before.
+        provenance: command and versions.
+
+    Raises:
+        InvalidRange: no triangulator, or both cameras of the plan's rig see nothing in common.
+        TriangulatorError: none of them returned anything anywhere.
     """
+    if not triangulators:
+        raise InvalidRange("a comparison needs at least one triangulator")
     rows: list[dict[str, object]] = []
-    left_out: dict[str, None] = {}
+    gone, first = _LeftOut(), next(iter(triangulators))
+    checked: dict[str, Triangulator] = {
+        label: CheckedTriangulator(function, label) for label, function in triangulators.items()
+    }
     for geometry in plan.chosen():
         points_left = visible_points(geometry, plan.n_points, stream(plan.seed, f"{geometry.name} points"))
-        fitting = _fitting(geometry, points_left, triangulators, left_out)
-        speed = {label: _speed(geometry.rig, points_left, method) for label, method in fitting.items()}
+        asked = {label: one for label, one in checked.items() if gone.timeouts.get(label, 0) < PATIENCE}
+        speed = _speeds(geometry, points_left, asked, triangulators, gone)
+        first_speed = speed.get(first, math.nan)
+        fitting = {label: asked[label] for label in speed}
         for noise_px in plan.noises_px:
-            rng = stream(plan.seed, f"{geometry.name} {noise_px!r}")
-            noisy = PixelNoise(noise_px).apply(*geometry.rig.project(points_left), rng)
-            for label, method in fitting.items():
-                try:
-                    found_left = method(geometry.rig, *noisy)
-                except TriangulatorError as error:
-                    left_out[f"{geometry.name} at {noise_px:g} px: {error}"] = None
-                    continue
-                figures = _figures(geometry.rig, points_left, found_left, noise_px)
-                head = {"geometry": geometry.name, "noise_px": noise_px, "triangulator": label}
-                rows.append(head | figures | {"points_per_second": speed[label]})
+            noisy = PixelNoise(noise_px).apply(
+                *geometry.rig.project(points_left), stream(plan.seed, f"{geometry.name} {noise_px!r}")
+            )
+            found = _found(geometry, points_left, noise_px, noisy, fitting, gone)
+            must = bound(geometry.rig, points_left, noise_px)
+            for label, mine in found.items():
+                rows.append(
+                    {"geometry": geometry.name, "noise_px": noise_px, "triangulator": label}
+                    | figures(mine, found.get(first), must, noise_px)
+                    | {"points_per_second": speed[label], "speed_over_first": speed[label] / first_speed}
+                )
             on_step()
-    return ComparisonResult(pd.DataFrame(rows, columns=list(COLUMNS)), plan, tuple(left_out))
+    said = (*left_out, *gone.sentences())
+    if not rows:
+        raise TriangulatorError(f"nothing could be compared: {'; '.join(said)}")
+    return ComparisonResult(
+        pd.DataFrame(rows, columns=list(COLUMNS)),
+        plan,
+        tuple(triangulators),
+        said,
+        provenance or {},
+    )
 
 
-def _fitting(
+def comparison_provenance(command: str) -> dict[str, object]:
+    """Command, versions and processor: what speeds hold for."""
+    try:
+        opencv = str(load_cv2().__version__)
+    except MeasurementFailed:
+        opencv = None
+    processor = platform.processor() or platform.machine()
+    return {"command": command, **versions(), "opencv": opencv, "processor": processor}
+
+
+def _found(
     geometry: Geometry,
     points_left: Array,
-    triangulators: Mapping[str, Triangulator],
-    left_out: dict[str, None],
-) -> dict[str, Triangulator]:
-    """The triangulators that can do a geometry at all."""
-    pixels = geometry.rig.project(points_left[:10])
-    fitting = {}
-    for label, method in triangulators.items():
+    noise_px: float,
+    noisy: tuple[Array, Array],
+    fitting: dict[str, Triangulator],
+    gone: _LeftOut,
+) -> dict[str, Errors]:
+    """The errors of each method; one that does not come back is taken out of `fitting`."""
+    found = {}
+    for label in list(fitting):
         try:
-            method(geometry.rig, *pixels)
-        except TriangulatorError as error:
-            left_out[f"{geometry.name}: {error}"] = None
+            found_left = fitting[label](geometry.rig, *noisy)
+        except RigsimError as error:
+            gone.add(label, error, f"{geometry.name} at {noise_px:g} px")
+            if isinstance(error, TriangulatorTimeout):
+                del fitting[label]
         else:
-            fitting[label] = method
-    return fitting
+            found[label] = errors(geometry.rig, points_left, found_left, noise_px)
+    return found
 
 
-def _speed(rig: StereoRig, points_left: Array, method: Triangulator) -> float:
-    """Points a second: the median of a few runs over exact pixels; NaN when it breaks."""
+def _speeds(
+    geometry: Geometry,
+    points_left: Array,
+    asked: Mapping[str, Triangulator],
+    own: Mapping[str, Triangulator],
+    gone: _LeftOut,
+) -> dict[str, float]:
+    """Points a second of each method that can do a geometry: the median of a few runs over exact pixels.
+
+    The methods take turns, so that what else the machine does meets them all. A function elsewhere is timed
+    there, without the way to it.
+    """
     times = _SPEED_POINTS // len(points_left) + 1
-    pixels = [np.tile(uv, (times, 1))[:_SPEED_POINTS] for uv in rig.project(points_left)]
-    seconds = []
-    for _ in range(_SPEED_RUNS):
+    pixels = [np.tile(uv, (times, 1))[:_SPEED_POINTS] for uv in geometry.rig.project(points_left)]
+
+    def seconds(label: str, n: int) -> float:
         start = time.perf_counter()
+        asked[label](geometry.rig, pixels[0][:n], pixels[1][:n])
+        passed = time.perf_counter() - start
+        inside = float(getattr(own[label], "seconds", math.nan))
+        return inside if math.isfinite(inside) else passed
+
+    many: dict[str, int] = {}
+    for label in asked:
         try:
-            method(rig, *pixels)
-        except TriangulatorError:
-            return math.nan
-        seconds.append(time.perf_counter() - start)
-    return len(pixels[0]) / float(np.median(seconds))
-
-
-def _figures(rig: StereoRig, points_left: Array, found_left: Array, noise_px: float) -> dict[str, object]:
-    """The figures of one row, over the points that came back."""
-    truth_px = np.hstack(rig.project(points_left))
-    error_px = np.hstack(rig.project(found_left)) - truth_px
-    back = np.asarray(np.isfinite(error_px).all(axis=1))
-    n = int(back.sum())
-    expected = _expected_failures(rig, points_left, noise_px)
-    figures: dict[str, object] = dict.fromkeys(COLUMNS[3:-1], math.nan)
-    figures |= {"n": len(points_left), "failed_share": 1 - n / len(back), "expected_failed_share": expected}
-    if n < 2:
-        return figures
-    truth, found = points_left[back], found_left[back]
-    squares = (error_px[back] ** 2).sum(axis=1) / (3 * noise_px**2)
-    std_m = noise_px * np.linalg.norm(pixel_gain(rig, truth)[:, 2], axis=1)
-    # 1/Z follows the disparity in a straight line
-    inverse_depth = -(1 / found[:, 2] - 1 / truth[:, 2]) * truth[:, 2] ** 2 / std_m
-    ratio = math.sqrt(float(squares.mean()))
-    return figures | {
-        "pixel_error_over_bound": ratio,
-        "pixel_error_over_bound_se": float(squares.std()) / math.sqrt(n) / (2 * ratio),
-        "depth_error_over_bound": math.sqrt(float((inverse_depth**2).mean())),
-        "depth_bias_over_std": float(inverse_depth.mean()),
-        "depth_bias_over_std_se": float(inverse_depth.std()) / math.sqrt(n),
-        "depth_median_abs_mm": float(np.median(np.abs(found[:, 2] - truth[:, 2]))) * 1e3,
-    }
-
-
-def _expected_failures(rig: StereoRig, points_left: Array, noise_px: float) -> float:
-    """Share of points whose parallax the noise turns negative."""
-    from scipy.stats import norm
-
-    return float(norm.sf(parallax_px(rig, points_left) / (math.sqrt(2) * noise_px)).mean())
+            rate = _PROBE_POINTS / max(seconds(label, _PROBE_POINTS), 1e-9)
+        except RigsimError as error:
+            gone.add(label, error, geometry.name)
+        else:
+            many[label] = min(max(int(rate * _SPEED_S), _PROBE_POINTS), _SPEED_POINTS)
+    measured: dict[str, list[float]] = {label: [] for label in many}
+    for _ in range(SPEED_RUNS):
+        for label, n in many.items():
+            try:
+                measured[label].append(n / max(seconds(label, n), 1e-9))
+            except RigsimError:
+                measured[label].append(math.nan)
+    return {label: float(np.median(rates)) for label, rates in measured.items()}
