@@ -11,6 +11,7 @@ import typer
 
 from rigsim._version import __version__
 from rigsim.cli import calc, export
+from rigsim.cli.compare import compare
 from rigsim.cli.design import design
 from rigsim.cli.doctor import doctor
 from rigsim.cli.infer import infer
@@ -39,6 +40,7 @@ app.command()(design)
 app.command()(measure)
 app.command()(infer)
 app.command()(verify)
+app.command()(compare)
 app.add_typer(export.app)
 app.command()(scenes)
 app.command()(presets)
