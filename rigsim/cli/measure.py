@@ -57,7 +57,7 @@ def measure(
 ) -> None:
     """Measure a pair of pictures: matches, depths, how accurate they are, and whether the rig fits.
 
-    Give the rig with --rig: a rig.toml, or another program's calibration (docs/export.md).
+    Give the rig with --rig: a rig.toml, a Middlebury calib.txt, or another calibration (docs/export.md).
     """
     rows_cols = None if board is None else _board(board)
     pixels = None if target is None else _target(target)
