@@ -166,7 +166,7 @@ def test_the_page_has_the_worst_rows() -> None:
     ("function", "name", "title"),
     [
         (too_far, "verged exact", "Depth error"),
-        (too_far, "verged noisy", "Depth error; of the noise: orange"),
+        (too_far, "verged noisy", "Depth error; noise: orange"),
     ],
 )
 def test_figures(function: Function, name: str, title: str) -> None:

@@ -104,7 +104,7 @@ def _draw_depth_errors(axes: Axes, result: CaseResult, answered: Mask) -> None:
         std = np.sqrt(np.einsum("ni,nij,nj->n", gain, covariance, gain)) * factor
         axes.scatter(depth, std, s=3, color=style.VERMILION, rasterized=True)
         drawn = np.concatenate([drawn, std])
-        axes.set_title("Depth error; of the noise: orange", fontsize=9.5)
+        axes.set_title("Depth error; noise: orange", fontsize=9.5)
     else:
         axes.set_title("Depth error", fontsize=9.5)
     axes.set_xlabel("true depth, m")
