@@ -78,6 +78,12 @@ def test_a_verged_distorted_rig_is_rectified_by_what_was_written() -> None:
     expected = (POINTS_LEFT @ data(left, "rectification_matrix").T)[:, 2]
     np.testing.assert_allclose(depth, expected, rtol=1e-8)
     assert -P[0, 3] / P[0, 0] == pytest.approx(rig.baseline_m)
+    # the two optical axes stay, on average, where the principal points were: the pictures do not wander off
+    axes = [
+        data(info, "projection_matrix")[:, :3] @ data(info, "rectification_matrix")[:, 2]
+        for info in (left, right)
+    ]
+    np.testing.assert_allclose(np.mean([axis[:2] / axis[2] for axis in axes], axis=0), [325, 236], atol=1e-9)
 
 
 def test_forward_motion_has_no_camera_info() -> None:

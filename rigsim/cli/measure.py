@@ -73,7 +73,9 @@ def measure(
 
     image_left, image_right = read_image(left), read_image(right)
     if options == RigOptions():
-        raise InvalidRange("--rig is missing: give a rig.toml or another calibration, or --baseline and --focal")
+        raise InvalidRange(
+            "--rig is missing: give a rig.toml or another calibration, or --baseline and --focal"
+        )
     if options.rig is None and options.preset is None and options.resolution is None:
         options = replace(options, resolution=f"{image_left.shape[1]}x{image_left.shape[0]}")
     rig = single_rig(options, None)
