@@ -32,6 +32,7 @@ def scenes() -> None:
             preset.about,
         )
         for preset in PRESETS.values()
+        if not preset.figures
     ]
     print_table(
         "Rigs (--preset)",
