@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,42 +14,20 @@ from rigsim.study.tolerance import QUANTITIES, UNITS
 from rigsim.study.tolerance_document import percentile_mm
 from rigsim.study.tolerance_yield import ToleranceResult
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 _HEIGHT_IN = 3.6
 
 
 def print_tolerance(result: ToleranceResult, folder: Path | None = None) -> None:
     """Print the ranked table, the built rigs at each depth, and how many meet the requirement."""
-    judged = f"{plain(result.required.depth_m)} m"
-    form = "±" if result.tolerances.distribution == "uniform" else "std"
     print_table(
         f"Each quantity alone: depth error, mm, first order; what it takes for"
-        f" {plain(result.required.error_m * 1e3)} mm at {judged}",
-        (
-            "quantity",
-            form,
-            *(f"at\n{plain(item.depth_m)} m" for item in result.depths),
-            f"common\nat {judged}",
-            "differs\nby place",
-            "share\n%",
-            "needed\nalone",
-            "equal\nshares",
-            "unit",
-        ),
-        [
-            (
-                QUANTITIES[item.key],
-                number(item.tolerance),
-                *(number(value) for value in item.depth_rms_mm),
-                number(item.common_mm),
-                number(item.differing_mm),
-                percent(item.share) if item.share > 1e-12 else "0",
-                "any" if math.isinf(item.needed_alone) else number(item.needed_alone),
-                "any" if math.isinf(item.needed_equal_share) else number(item.needed_equal_share),
-                UNITS[item.key],
-            )
-            for item in result.sensitivities
-        ],
-        numeric=(False, *[True] * (7 + len(result.depths) - 1), False),
+        f" {plain(result.required.error_m * 1e3)} mm at {plain(result.required.depth_m)} m",
+        quantity_heads(result),
+        quantity_rows(result),
+        numeric=quantity_numeric(result),
     )
     print_table(
         f"{result.n_rigs} rigs built within tolerance: depth error over the image, mm",
@@ -90,8 +68,54 @@ def print_tolerance(result: ToleranceResult, folder: Path | None = None) -> None
         console.print(f"Files: {folder}", soft_wrap=True)
 
 
+def quantity_heads(result: ToleranceResult) -> tuple[str, ...]:
+    """Heads of the ranked table; a newline starts a second line."""
+    judged = f"{plain(result.required.depth_m)} m"
+    return (
+        "quantity",
+        "±" if result.tolerances.distribution == "uniform" else "std",
+        *(f"at\n{plain(item.depth_m)} m" for item in result.depths),
+        f"common\nat {judged}",
+        "differs\nby place",
+        "share\n%",
+        "needed\nalone",
+        "equal\nshares",
+        "unit",
+    )
+
+
+def quantity_rows(result: ToleranceResult) -> list[tuple[str, ...]]:
+    """Rows of the ranked table, the worst quantity first; depth errors in mm."""
+    return [
+        (
+            QUANTITIES[item.key],
+            number(item.tolerance),
+            *(number(value) for value in item.depth_rms_mm),
+            number(item.common_mm),
+            number(item.differing_mm),
+            percent(item.share) if item.share > 1e-12 else "0",
+            "any" if math.isinf(item.needed_alone) else number(item.needed_alone),
+            "any" if math.isinf(item.needed_equal_share) else number(item.needed_equal_share),
+            UNITS[item.key],
+        )
+        for item in result.sensitivities
+    ]
+
+
+def quantity_numeric(result: ToleranceResult) -> tuple[bool, ...]:
+    """Which of the ranked table's columns stand right."""
+    return (False, *[True] * (6 + len(result.depths)), False)
+
+
 def tolerance_png(result: ToleranceResult) -> bytes:
-    """PNG: what each quantity does, and the share of rigs under each depth error."""
+    """PNG of `tolerance_figure`."""
+    from rigsim.present import style
+
+    return style.to_png(tolerance_figure(result))
+
+
+def tolerance_figure(result: ToleranceResult) -> Figure:
+    """What each quantity does, and the share of rigs under each depth error."""
     from rigsim.present import style
 
     with style.styled():
@@ -143,4 +167,4 @@ def tolerance_png(result: ToleranceResult) -> bytes:
         shares.set_ylabel("rigs under it, %")
         shares.set_title("Built rigs")
         shares.legend(**below)
-    return style.to_png(figure)
+    return figure
