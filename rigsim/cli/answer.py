@@ -1,0 +1,38 @@
+"""``--json``: one document on standard output, and nothing else there."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import typer
+
+
+def print_document(document: Mapping[str, Any]) -> None:
+    """Print `document` as strict JSON."""
+    from rigsim.interop.documents.text import json_text
+
+    typer.echo(json_text(document, sys.stdout.encoding or "utf-8"))
+
+
+@contextlib.contextmanager
+def quiet(wanted: bool) -> Iterator[None]:
+    """Send what others print meanwhile to standard error, when `wanted`.
+
+    The user's own triangulator or matcher, the processes it runs in, and C libraries all may print.
+    """
+    if not wanted or sys.stdout is None:
+        yield
+        return
+    sys.stdout.flush()
+    kept = os.dup(1)
+    try:
+        os.dup2(2, 1)
+        with contextlib.redirect_stdout(sys.stderr):
+            yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)

@@ -1,0 +1,67 @@
+"""What every document is made of."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class Part(BaseModel):
+    """An object with fixed keys; the docstrings of its keys become the schema's descriptions."""
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, use_attribute_docstrings=True, populate_by_name=True
+    )
+
+
+class Rig(Part):
+    """A rig in short."""
+
+    baseline_mm: float = Field(gt=0)
+    """Distance between the cameras, mm."""
+    focal_px: float = Field(gt=0)
+    """Focal length of the left camera, px."""
+    width_px: int = Field(gt=0)
+    """Image width, px."""
+    height_px: int = Field(gt=0)
+    """Image height, px."""
+
+
+class SeenRig(Rig):
+    """A rig with its field of view."""
+
+    hfov_deg: float = Field(gt=0, lt=180)
+    """Horizontal field of view of the left camera, degrees."""
+
+
+class Provenance(Part):
+    """What made the numbers: versions, renderer and scene."""
+
+    rigsim: str
+    """Version of rigsim."""
+    mujoco: str
+    """Version of MuJoCo."""
+    numpy: str
+    """Version of NumPy."""
+    scipy: str
+    """Version of SciPy."""
+    pandas: str
+    """Version of pandas."""
+    matplotlib: str
+    """Version of Matplotlib."""
+    python: str
+    """Version of Python."""
+    renderer: str
+    """What rendered: rays, or the GL library's own name for itself."""
+    scene: str
+    """Name of the scene."""
+    mount: str
+    """Where the rig sits in it."""
+
+
+class Written(Part):
+    """What was written to disk."""
+
+    folder: str
+    """The folder, as --out names it."""
+    files: list[str]
+    """Names of the files written there, sorted."""
