@@ -213,6 +213,16 @@ def test_any_terminal_and_any_file_name(tmp_path: Path) -> None:
         assert (tmp_path / name / "left.png").exists()
 
 
+def test_a_standard_output_that_takes_nothing_is_one_line() -> None:
+    words = f"{sys.executable} -m rigsim calc depth {RIG} --z 3m --json"
+    for where, says in ((">/dev/full", b"No space left"), (">&-", b"closed")):
+        done = subprocess.run(["sh", "-c", f"{words} {where}"], capture_output=True, check=False)
+        assert done.returncode == 1
+        assert done.stderr.startswith(b"rigsim: error: standard output")
+        assert says in done.stderr
+        assert done.stderr.count(b"\n") == 1
+
+
 def test_text_is_strict() -> None:
     nan, inf = float("nan"), float("inf")
     said = json_text({"a": nan, "b": [inf, (1, -inf)], "c": {"d": nan}, "e": 0.1 + 0.2, "f": "é", "g": None})

@@ -10,12 +10,28 @@ from typing import Any
 
 import typer
 
+from rigsim.errors import OutputError
+
 
 def print_document(document: Mapping[str, Any]) -> None:
-    """Print `document` as strict JSON."""
+    """Print `document` as strict JSON.
+
+    Raises:
+        OutputError: standard output is closed, or takes no more.
+    """
     from rigsim.interop.documents.text import json_text
 
-    typer.echo(json_text(document, sys.stdout.encoding or "utf-8"))
+    if sys.stdout is None:
+        raise OutputError("standard output is closed: leave it open, --json prints there")
+    try:
+        typer.echo(json_text(document, sys.stdout.encoding or "utf-8"))
+        sys.stdout.flush()
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        # what could not be written must not be tried again at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise OutputError(f"standard output: {error.strerror or error}; send it elsewhere") from None
 
 
 @contextlib.contextmanager
