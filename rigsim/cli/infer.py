@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rigsim.cli import quantity
+from rigsim.cli.answer import print_document
 from rigsim.cli.options import Json, single_rig, takes_rig
 from rigsim.cli.rigs import DEFAULT_PRESET, RigOptions
 from rigsim.errors import InvalidRange
@@ -77,7 +77,7 @@ def infer(
     if as_json:
         from rigsim.interop.depth_errors import inference_document
 
-        typer.echo(json.dumps(inference_document(inference, carried), indent=2, allow_nan=False))
+        print_document(inference_document(inference, carried))
     else:
         from rigsim.present.inference import print_inference
 

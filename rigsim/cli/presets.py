@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rigsim.cli.answer import print_document
 from rigsim.cli.options import Json
 
 if TYPE_CHECKING:
@@ -43,11 +43,11 @@ def presets(
     if name is not None:
         chosen = preset(name)
         if as_json:
-            typer.echo(json.dumps(_document(chosen), indent=2))
+            print_document(_document(chosen))
         else:
             _show(chosen)
     elif as_json:
-        typer.echo(json.dumps({"presets": [_document(item) for item in PRESETS.values()]}, indent=2))
+        print_document({"presets": [_document(item) for item in PRESETS.values()]})
     else:
         _list(list(PRESETS.values()))
 
