@@ -40,14 +40,13 @@ def presets(
     """List the rigs that --preset takes; with NAME, the sources of each number."""
     from rigsim.rig.presets import PRESETS, preset
 
+    if as_json:
+        from rigsim.interop.documents.listings import preset_document, presets_document
+
+        print_document(presets_document(PRESETS.values()) if name is None else preset_document(preset(name)))
+        return
     if name is not None:
-        chosen = preset(name)
-        if as_json:
-            print_document(_document(chosen))
-        else:
-            _show(chosen)
-    elif as_json:
-        print_document({"presets": [_document(item) for item in PRESETS.values()]})
+        _show(preset(name))
     else:
         _list(list(PRESETS.values()))
 
@@ -136,29 +135,3 @@ def _claims(item: Preset) -> str:
 
 def _or_dash(value: float | None) -> str:
     return "–" if value is None else f"{value:g}"
-
-
-def _document(item: Preset) -> dict[str, object]:
-    rig = item.rig
-    return {
-        "name": item.name,
-        "about": item.about,
-        "source": item.source,
-        "baseline_mm": round(rig.baseline_m * 1e3, 9),
-        "focal_px": rig.left.fx,
-        "width_px": rig.left.width,
-        "height_px": rig.left.height,
-        "hfov_deg": rig.left.hfov_deg,
-        "min_depth_mm": item.first("min_depth_mm"),
-        "max_disparity_px": item.first("max_disparity_px"),
-        "figures": [
-            {
-                "quantity": figure.quantity,
-                "value": figure.value,
-                "at_mm": figure.at_mm,
-                "note": figure.note,
-                "source": figure.source,
-            }
-            for figure in item.figures
-        ],
-    }

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from rigsim.interop.documents.text import clean
+from rigsim.rig.stereo import StereoRig
+
 
 class Part(BaseModel):
     """An object with fixed keys; the docstrings of its keys become the schema's descriptions."""
@@ -65,3 +68,14 @@ class Written(Part):
     """The folder, as --out names it."""
     files: list[str]
     """Names of the files written there, sorted."""
+
+
+def seen_rig(rig: StereoRig) -> SeenRig:
+    """A rig's numbers."""
+    return SeenRig(
+        baseline_mm=clean(rig.baseline_m * 1e3),
+        focal_px=clean(rig.left.fx),
+        width_px=rig.left.width,
+        height_px=rig.left.height,
+        hfov_deg=clean(rig.left.hfov_deg),
+    )

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any, Literal
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any, Literal
 
-from rigsim.interop.documents.base import Part, SeenRig
-from rigsim.interop.documents.render import seen_rig
-from rigsim.measure.sensor_presets import SensorPreset
-from rigsim.rig.presets import Preset
-from rigsim.sim.backend import Probe
+from rigsim.interop.documents.base import Part, SeenRig, seen_rig
+
+if TYPE_CHECKING:
+    from rigsim.measure.sensor_presets import SensorPreset
+    from rigsim.rig.presets import Preset
+    from rigsim.sim.backend import Probe
 
 
 class Scene(Part):
@@ -163,6 +165,30 @@ def scenes_document(
         ],
     )
     return document.model_dump()
+
+
+def preset_document(preset: Preset) -> dict[str, Any]:
+    """A rig by name, with every published number."""
+    return _preset(preset).model_dump()
+
+
+def presets_document(presets: Iterable[Preset]) -> dict[str, Any]:
+    """Rigs by name, as `preset_document` says each."""
+    return PresetsDocument(presets=[_preset(preset) for preset in presets]).model_dump()
+
+
+def _preset(preset: Preset) -> PresetDocument:
+    return PresetDocument.model_validate(
+        {
+            "name": preset.name,
+            "about": preset.about,
+            "source": preset.source,
+            **dict(seen_rig(preset.rig)),
+            "min_depth_mm": preset.first("min_depth_mm"),
+            "max_disparity_px": preset.first("max_disparity_px"),
+            "figures": [asdict(figure) for figure in preset.figures],
+        }
+    )
 
 
 def doctor_document(probes: Sequence[Probe]) -> dict[str, Any]:

@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from rigsim.interop.documents.base import Part, Provenance, SeenRig, Written
+from rigsim.interop.documents.base import Part, Provenance, SeenRig, Written, seen_rig
 from rigsim.interop.documents.text import clean
 from rigsim.rig.arrays import Array
-from rigsim.rig.stereo import StereoRig
 from rigsim.study.snapshot import Snapshot
 
 _SINGLE = 7  # digits of the single-precision arrays that are written
@@ -63,17 +62,6 @@ def render_document(snapshot: Snapshot, written: Written) -> dict[str, Any]:
         }
     )
     return document.model_dump()
-
-
-def seen_rig(rig: StereoRig) -> SeenRig:
-    """A rig's numbers."""
-    return SeenRig(
-        baseline_mm=clean(rig.baseline_m * 1e3),
-        focal_px=clean(rig.left.fx),
-        width_px=rig.left.width,
-        height_px=rig.left.height,
-        hfov_deg=clean(rig.left.hfov_deg),
-    )
 
 
 def _spread(values: Array) -> Spread:
