@@ -14,6 +14,9 @@ from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.perturbation import NAMES
 from rigsim.rig.stereo import StereoRig
 
+PARAMETERS = (*NAMES, "right_cy_px", "both_focal_px")
+"""What a rig of a batch may be off by: `Perturbation`'s ten quantities, the right principal point's v and
+a focal length, fx and fy, that both cameras share; px."""
 _PIXELS = 2
 
 
@@ -28,13 +31,13 @@ class Rays:
 
 
 class RigBatch:
-    """`rig` changed by each row of `thetas` (n, 10), the quantities of `Perturbation` in their order.
+    """`rig` changed by each row of `thetas` (n, 12), the quantities of `PARAMETERS` in their order.
 
     Everything is (n, m): n rigs, m points.
     """
 
     def __init__(self, rig: StereoRig, thetas: Array) -> None:
-        value = dict(zip(NAMES, np.asarray(thetas, dtype=np.float64).T, strict=True))
+        value = dict(zip(PARAMETERS, np.asarray(thetas, dtype=np.float64).T, strict=True))
         self.rig = rig
         left_from_right = rig.right_from_left.inverse
         along = left_from_right.t / rig.baseline_m
@@ -44,9 +47,12 @@ class RigBatch:
         turns = _rotations(np.stack([value["pitch_rad"], value["yaw_rad"], value["roll_rad"]], axis=1))
         self.R = (left_from_right.R @ turns).transpose(0, 2, 1)
         self.t = -np.einsum("nij,nj->ni", self.R, centers)
-        self.fx = rig.right.fx + value["right_focal_px"][:, None]
-        self.fy = rig.right.fy + value["right_focal_px"][:, None]
+        longer_left = value["both_focal_px"][:, None]
+        longer_right = longer_left + value["right_focal_px"][:, None]
+        self.left_fx, self.left_fy = rig.left.fx + longer_left, rig.left.fy + longer_left
+        self.fx, self.fy = rig.right.fx + longer_right, rig.right.fy + longer_right
         self.cx = rig.right.cx + value["right_cx_px"][:, None]
+        self.cy = rig.right.cy + value["right_cy_px"][:, None]
         self._d_left = rig.left.distortion or BrownConrady()
         self._d_right = rig.right.distortion or BrownConrady()
         self._k1_left = self._d_left.k1 + value["both_k1"][:, None]
@@ -57,13 +63,13 @@ class RigBatch:
     def project(self, points_left: Array) -> Array:
         """Pixels (4, n, m): u, v left, u, v right of points (m, 3) m; NaN behind a camera or past the
         radius where a lens folds."""
-        left, right = self.rig.left, self.rig.right
+        left = self.rig.left
         pixels = np.empty((4, len(self.R), len(points_left)))
         with np.errstate(all="ignore"):
             x, y = (points_left[:, :2] / np.where(points_left[:, 2:] > 0, points_left[:, 2:], np.nan)).T
             if self._distorts_left:
                 x, y = _distort(x[None], y[None], self._k1_left, self._d_left)
-            pixels[0], pixels[1] = left.fx * x + left.cx, left.fy * y + left.cy
+            pixels[0], pixels[1] = self.left_fx * x + left.cx, self.left_fy * y + left.cy
             seen = self.R @ points_left.T
             seen += self.t[:, :, None]
             z = seen[:, 2]
@@ -72,7 +78,7 @@ class RigBatch:
             if self._distorts_right:
                 x, y = _distort(x, y, self._k1_right, self._d_right)
             np.add(np.multiply(x, self.fx, out=pixels[2]), self.cx, out=pixels[2])
-            np.add(np.multiply(y, self.fy, out=pixels[3]), right.cy, out=pixels[3])
+            np.add(np.multiply(y, self.fy, out=pixels[3]), self.cy, out=pixels[3])
         return pixels
 
     def rays(self, pixels: Array, start: Rays, steps: int = 3) -> Rays:
@@ -85,14 +91,14 @@ class RigBatch:
     def rays_left(self, pixels: Array, start: Rays, steps: int = 3) -> tuple[Array, Array]:
         """The left half of `rays`."""
         left = self.rig.left
-        x, y = (pixels[0] - left.cx) / left.fx, (pixels[1] - left.cy) / left.fy
+        x, y = (pixels[0] - left.cx) / self.left_fx, (pixels[1] - left.cy) / self.left_fy
         if not self._distorts_left:
             return x, y
         return _undistort(x, y, start.left, self._k1_left, self._d_left, steps)
 
     def rays_right(self, pixels: Array, start: Rays, steps: int = 3) -> tuple[Array, Array]:
         """The right half of `rays`."""
-        x, y = (pixels[2] - self.cx) / self.fx, (pixels[3] - self.rig.right.cy) / self.fy
+        x, y = (pixels[2] - self.cx) / self.fx, (pixels[3] - self.cy) / self.fy
         if not self._distorts_right:
             return x, y
         return _undistort(x, y, start.right, self._k1_right, self._d_right, steps)
@@ -111,16 +117,18 @@ class RigBatch:
         intersection: maximum likelihood but for terms of second order in the epipolar error. Nearest
         is meant in the pixels as they were seen: a lens that distorts weighs the directions differently.
         """
-        left = self.rig.left
         error, (per_ul, per_vl, per_ur, per_vr) = self._epipolar(rays)
         lens_left = (self._k1_left, self._d_left) if self._distorts_left else None
         lens_right = (self._k1_right, self._d_right) if self._distorts_right else None
         with np.errstate(all="ignore"):
-            aspect_left, aspect_right = left.fy / left.fx, self.fy / self.fx
+            aspect_left, aspect_right = self.left_fy / self.left_fx, self.fy / self.fx
             move_ul, move_vl = _steepest(per_ul, per_vl, aspect_left, rays.left, lens_left)
             move_ur, move_vr = _steepest(per_ur, per_vr, aspect_right, rays.right, lens_right)
             step = error / (per_ul * move_ul + per_vl * move_vl + per_ur * move_ur + per_vr * move_vr)
-            xl, yl = rays.left[0] - step * move_ul / left.fx, rays.left[1] - step * move_vl / left.fy
+            xl, yl = (
+                rays.left[0] - step * move_ul / self.left_fx,
+                rays.left[1] - step * move_vl / self.left_fy,
+            )
             xr, yr = rays.right[0] - step * move_ur / self.fx, rays.right[1] - step * move_vr / self.fy
             R, t = self.R[:, :, :, None], self.t[:, :, None]
             ax, ay, az = (R[:, i, 0] * xl + R[:, i, 1] * yl + R[:, i, 2] for i in range(3))
@@ -132,7 +140,7 @@ class RigBatch:
 
     def _epipolar(self, rays: Rays) -> tuple[Array, tuple[Array, Array, Array, Array]]:
         """The constraint's value, and its slopes in the four pixels."""
-        (xl, yl), (xr, yr), left = rays.left, rays.right, self.rig.left
+        (xl, yl), (xr, yr) = rays.left, rays.right
         x, y, z = self.t.T
         zero = np.zeros_like(x)
         cross = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).transpose(2, 0, 1)
@@ -141,7 +149,7 @@ class RigBatch:
             lx, ly, lw = (E[:, i, 0] * xl + E[:, i, 1] * yl + E[:, i, 2] for i in range(3))
             mx, my = (E[:, 0, i] * xr + E[:, 1, i] * yr + E[:, 2, i] for i in range(2))
             error = xr * lx + yr * ly + lw
-            gradients = (mx / left.fx, my / left.fy, lx / self.fx, ly / self.fy)
+            gradients = (mx / self.left_fx, my / self.left_fy, lx / self.fx, ly / self.fy)
         return np.asarray(error), gradients
 
 
