@@ -49,7 +49,7 @@ def test_a_verified_rig_with_its_files(capsys: pytest.CaptureFixture[str], tmp_p
     close(asked["depth_error"]["simulated"], asked["depth_error"]["achieved"], rtol=0.03)
     page = (tmp_path / "out" / "design.html").read_text()
     assert "Verified by simulation" in page
-    assert len(re.findall("<svg ", page)) == 3
+    assert len(re.findall("<svg ", page)) == 4
     assert "<script" not in page
     assert not re.search(r'(src|href)="https?:', page)
 

@@ -156,9 +156,8 @@ def pareto_figure(design: Design, pick: Candidate) -> Figure:
 def plan_figure(design: Design, pick: Candidate, proofs: Sequence[Proof]) -> Figure:
     """The pick from above, with the points of its proof, the working range, and the coverage asked for."""
     spec = design.specification
-    proof = next((p for p in proofs if p.candidate == pick and p.result is not None), None)
-    if proof is not None and proof.result is not None:
-        show = proof.result.showcase
+    show = next((p.show for p in proofs if p.candidate == pick), None)
+    if show is not None:
         # one point more, at the far end: the scene may end before it
         end = np.array([[pick.baseline_m / 2, 0.0, spec.far_m]])
         figure = topdown_figure(
