@@ -63,6 +63,42 @@ def test_listings_and_closed_forms(capsys: pytest.CaptureFixture[str], name: str
     assert answer(capsys, name, words)
 
 
+DESIGN = "design --range 0.5:3m --depth-error 60mm@3m"
+BUILT = "tolerance --rigs 200 --points 40"
+
+
+@pytest.mark.parametrize(
+    ("name", "words", "code"),
+    [
+        ("design", f"{DESIGN} --no-proof", 0),
+        (
+            "design",
+            f"{DESIGN} --no-proof --fov 60deg --cover 1m@2m --depth-error p95:5% --max-disparity 200",
+            0,
+        ),
+        ("design", f"{DESIGN} --no-proof --sensor imx264,OV9282 --lens 4,8mm --prefer smallest", 0),
+        ("design", f"{DESIGN} --resolution 640x480 --lens 70deg --out out", 0),
+        ("design", "design --range 50:90m --depth-error 5m --resolution 640x480 --lens 70deg", 3),
+        ("tolerance", f"{BUILT} --out out", 0),
+        ("tolerance", f"{BUILT} --no-recalibrate --class none --tolerance baseline=0.2mm", 0),
+        ("tolerance", f"{BUILT} --class printed --depth-error 1mm@1m --distribution uniform", 0),
+        ("infer", "infer --claim 2%@4m,4%@7m,6%@10.5m --preset oak-d --to d455 --at 1m,200m", 0),
+        ("infer", "infer --claim 2%@4m --preset oak-d", 0),
+        ("infer", "infer --claim 1%@1m,1%@2m,1%@4m --preset oak-d", 0),
+        ("infer", "infer --data wall.csv --preset d455", 0),
+    ],
+)
+def test_answers_of_whole_studies(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, name: str, words: str, code: int
+) -> None:
+    (tmp_path / "wall.csv").write_text(
+        "distance_mm,depth_std_mm,depth_bias_mm,n\n1000,2,1,50\n2000,8.5,-2,50\n4000,31,-9,50\n"
+    )
+    said = answer(capsys, name, words, code)
+    if "--out" in words:
+        assert json.loads((tmp_path / "out" / f"{name}.json").read_text()) == said
+
+
 def test_doctor_says_what_auto_takes(capsys: pytest.CaptureFixture[str]) -> None:
     said = answer(capsys, "doctor", "doctor")
     works = {item["name"]: item["works"] for item in said["renderers"]}
@@ -183,13 +219,16 @@ def test_an_interrupted_sweep_is_a_document_too(tmp_path: Path) -> None:
     [
         ("sweep --baseline 0", 2),
         ("sweep --scene atlantis", 1),
-        ("sweep --range 50:60m --renderer rays", 1),
+        ("sweep --mount body:tail --renderer rays", 1),
         ("render --scene atlantis --out out", 1),
         ("render", 2),
         ("presets atlantis", 1),
         (f"calc point {RIG} --left 9,1 --right 10,1", 1),
         ("measure nowhere.png nowhere.png --preset boards", 1),
         ("scenes --bogus", 2),
+        ("design --range 0.5:3m --depth-error 1um --no-proof", 1),
+        ("tolerance --class loose", 2),
+        ("infer --claim 2%@4 --preset oak-d", 2),
     ],
 )
 def test_a_fault_prints_no_document(
@@ -230,7 +269,7 @@ def test_text_is_strict() -> None:
         "a": None,
         "b": [None, [1, None]],
         "c": {"d": None},
-        "e": 0.30000000000000004,
+        "e": 0.3,
         "f": "é",
         "g": None,
     }

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import copy
+import json
+import os
 import re
+import shlex
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -20,27 +25,19 @@ from tests.documents import SCHEMAS, schema, valid, validator
 
 PAGE = (SCHEMAS.parent / "json.md").read_text(encoding="utf-8")
 
-UNITS = re.compile(r"_(mm|px|deg|um|e|pct|fraction|share|k1|k)$")
+UNITS = re.compile(r"_(mm|px|deg|um|e|pct|fraction|share)$")
 WITHOUT_UNIT = {
     *("n", "n_matches", "n_tried", "n_truth", "n_points", "n_trials", "measured_n"),  # counts
     *("count", "measured_count", "points", "trials", "rigs", "cameras_tried", "bits"),
     *("best", "board", "seed"),  # places and numbers that name something
+    *("features", "pictures"),
+    *("as_built", "recalibrated", "margin", "confidence_level", "first_over_simulated"),  # shares, ratios
+    *("exponent", "exponent_ci_low", "exponent_ci_high"),
     *("nees", "predicted_over_simulated", "measured_over_predicted", "measured_within_3_sigma"),  # ratios
     "pixels",
     "value",  # a published figure, whose `quantity` ends in its unit
     *("smallest", "median", "largest"),  # of a quantity that names its unit
 }
-CALC = {
-    "x",
-    "y",
-    "z",
-    "world_per_pixel",
-    "depth_std",
-    "depth_near",
-    "depth_far",
-    "depth_bias",
-    "min_depth",
-} | {*("max_depth", "blind_zone", "overlap_width", "dead_band", "depth_step")}
 
 
 def test_every_command_takes_json() -> None:
@@ -73,7 +70,7 @@ def test_every_command_has_a_schema_and_a_line_in_the_docs() -> None:
         for name, (command, _) in DOCUMENTS.items()
     }
     commands = {name for name, _ in _commands(typer.main.get_command(app), ())}
-    assert {command.replace(" NAME", "") for command, _ in shown} <= commands
+    assert {command.replace(" NAME", "") for command, _ in shown} == commands
 
 
 @pytest.mark.parametrize("name", DOCUMENTS)
@@ -134,3 +131,29 @@ def _mistype(node: dict[str, Any]) -> None:
 def test_the_rows_are_those_of_the_tables() -> None:
     assert tuple(OverallRow.model_fields) == (*ROW_COLUMNS, "limited_by")
     assert set(DepthRow.model_fields) == set(DEPTH_COLUMNS)
+
+
+# --- the examples of docs/json.md ---
+
+PIPED = [line.split(" | jq ") for line in re.findall(r"^rigsim .* \| jq .*$", PAGE, re.M)]
+
+
+@pytest.mark.parametrize("command", dict.fromkeys(command for command, _ in PIPED))
+def test_the_examples_print_what_their_filters_take(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = shlex.split(command)[1:]
+    assert run(words) == 0, capsys.readouterr().err
+    text = json.dumps(valid(words[0], capsys.readouterr().out))
+    for key in re.findall(r"[a-z]\w+", " ".join(taken for piped, taken in PIPED if piped == command)):
+        assert f'"{key}"' in text or key == "csv"
+
+
+def test_the_python_example_runs(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(SCHEMAS.parent.parent)
+    monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}:{os.environ['PATH']}")
+    (example,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    exec(compile(example, "json.md", "exec"), {})
+    # Z^2 / (f B) times 0.25 px and sqrt(2), with 882.5 px and 75 mm: 48.08 mm
+    assert capsys.readouterr().out == "48.1 mm at 3 m\n"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import shlex
 import sys
@@ -15,6 +14,7 @@ import typer
 
 from rigsim.cli import design_asked as read
 from rigsim.cli import quantity
+from rigsim.cli.answer import print_document
 from rigsim.cli.design_room import Optics, fittings, has_own_noise, room_plan, try_out
 from rigsim.cli.sensors import Blur, FullWell, ImageNoise, ReadNoise
 from rigsim.errors import InvalidRange
@@ -193,11 +193,11 @@ def _deliver(
 ) -> None:
     from rigsim.interop import folder
     from rigsim.interop.rig_toml import write_rig
+    from rigsim.interop.tables import json_bytes
     from rigsim.study.design_document import design_document, recommended
 
     document = design_document(found, proofs, tolerance)
     command = shlex.join(["rigsim", *sys.argv[1:]])
-    text = json.dumps(document, indent=2, ensure_ascii=False)
     if target is not None:
         from rigsim.present.design import design_html
 
@@ -205,12 +205,12 @@ def _deliver(
         comment = f"rigsim design: {document['recommended']['reason']}"
         files = {
             "rig.toml": write_rig(pick.rig, comment, sensor).encode(),
-            "design.json": (text + "\n").encode(),
+            "design.json": json_bytes(document),
             "design.html": design_html(found, proofs, tolerance, command).encode(),
         }
         folder.write_folder(target, files, force)
     if as_json:
-        typer.echo(text)
+        print_document(document)
     else:
         from rigsim.present.design_console import print_design
 

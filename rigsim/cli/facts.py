@@ -44,10 +44,12 @@ def print_facts(facts: Sequence[Fact], *, title: str, as_json: bool, as_csv: boo
     if as_json:
         print_document({**{fact.key: fact.value for fact in facts}, "unit": "mm"})
     elif as_csv:
+        from rigsim.interop.documents.text import DIGITS, clean
+
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow([*(fact.key for fact in facts), "unit"])
-        writer.writerow([*(repr(fact.value) for fact in facts), "mm"])
+        writer.writerow([*(repr(clean(fact.value, DIGITS)) for fact in facts), "mm"])
         typer.echo(text.getvalue(), nl=False)
     elif as_markdown:
         typer.echo("| quantity | value | unit | meaning |\n|---|---:|---|---|")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Mapping
 from fractions import Fraction
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rigsim.cli import quantity
+from rigsim.cli.answer import print_document
 from rigsim.cli.options import Json, takes_rig
 from rigsim.cli.rigs import DEFAULT_PRESET, RigOptions
 from rigsim.errors import InvalidRange
@@ -176,7 +176,7 @@ def tolerance(
         }
         folder.write_folder(out, files, force)
     if as_json:
-        typer.echo(json.dumps(document, indent=2, ensure_ascii=False))
+        print_document(document)
     else:
         from rigsim.present.tolerance import print_tolerance
 

@@ -6,6 +6,8 @@ from typing import Any
 
 from rigsim.interop.documents.base import Part
 from rigsim.interop.documents.calc import CalcDepthDocument, CalcLimitsDocument, CalcPointDocument
+from rigsim.interop.documents.design import DesignDocument
+from rigsim.interop.documents.infer import InferDocument
 from rigsim.interop.documents.listings import (
     DoctorDocument,
     PresetDocument,
@@ -15,11 +17,15 @@ from rigsim.interop.documents.listings import (
 from rigsim.interop.documents.measure import MeasureDocument
 from rigsim.interop.documents.render import RenderDocument
 from rigsim.interop.documents.sweep import SweepDocument
+from rigsim.interop.documents.tolerance import ToleranceDocument
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 
 DOCUMENTS: dict[str, tuple[str, type[Part]]] = {
     "sweep": ("rigsim sweep --json", SweepDocument),
+    "design": ("rigsim design --json", DesignDocument),
+    "tolerance": ("rigsim tolerance --json", ToleranceDocument),
+    "infer": ("rigsim infer --json", InferDocument),
     "calc-point": ("rigsim calc point --json", CalcPointDocument),
     "calc-depth": ("rigsim calc depth --json", CalcDepthDocument),
     "calc-limits": ("rigsim calc limits --json", CalcLimitsDocument),

@@ -7,9 +7,13 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+DIGITS = 15
+"""As many significant digits as every double keeps: 70.00000000000001 is 70."""
+
 
 def json_text(document: Mapping[str, Any], encoding: str = "utf-8") -> str:
-    """A document as indented JSON that every parser reads: null for NaN and for what is infinite.
+    """A document as indented JSON that every parser reads: null for NaN and for what is infinite, and the 15
+    significant digits of a number that mean something.
 
     Args:
         document: mappings, sequences, text, numbers (numpy's too), None.
@@ -37,5 +41,5 @@ def _plain(value: Any) -> Any:
     if hasattr(value, "tolist"):  # numpy's arrays and scalars
         return _plain(value.tolist())
     if isinstance(value, float):
-        return value if math.isfinite(value) else None
+        return clean(value, DIGITS) if math.isfinite(value) else None
     return value
