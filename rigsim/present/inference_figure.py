@@ -50,10 +50,10 @@ def _draw_given(axes: Axes, inference: Inference, columns: int) -> None:
     z, stds_mm = errors.depths_m, 1e3 * errors.stds_m
     fine = _between(z)
     gain_mm = 1e3 * depth_gain(inference.rig, fine)
+    axes.plot(fine, sigma * gain_mm, color=style.BLUE, label=f"stereo noise, {number(sigma)} px of disparity")
     if not math.isnan(inference.low_px):
         low_mm, high_mm = inference.low_px * gain_mm, inference.high_px * gain_mm
         axes.fill_between(fine, low_mm, high_mm, color=style.BLUE, alpha=0.18, linewidth=0, label=_INTERVAL)
-    axes.plot(fine, sigma * gain_mm, color=style.BLUE, label=f"stereo noise, {number(sigma)} px of disparity")
     drawn = [stds_mm, sigma * gain_mm]
     if inference.fit is not None:
         for law, power, colour, dashes in (
@@ -89,11 +89,11 @@ def _draw_carried(axes: Axes, inference: Inference, carried: Transfer) -> None:
     fine = _between(carried.depths_m)
     gain_mm = 1e3 * depth_gain(carried.rig, fine)
     drawn = [inference.disparity_std_px * gain_mm]
+    axes.plot(fine, drawn[0], color=style.PURPLE, label="stereo noise carried over")
     if not math.isnan(inference.low_px):
         low_mm, high_mm = inference.low_px * gain_mm, inference.high_px * gain_mm
         axes.fill_between(fine, low_mm, high_mm, color=style.PURPLE, alpha=0.25, linewidth=0, label=_INTERVAL)
         drawn += [low_mm, high_mm]
-    axes.plot(fine, drawn[0], color=style.PURPLE, label="stereo noise carried over")
     for trusted, face, label in (
         (True, style.PURPLE, ""),
         (False, "white", "disparity under 4 sigma"),
