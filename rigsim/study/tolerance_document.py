@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from rigsim.rig.arrays import Array
 from rigsim.study.tolerance import UNITS, Sensitivity
 from rigsim.study.tolerance_words import interactions_sentence, recalibration_sentence
 from rigsim.study.tolerance_yield import DepthErrors, ToleranceResult
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 def tolerance_document(result: ToleranceResult) -> dict[str, Any]:
@@ -54,6 +56,8 @@ def tolerance_document(result: ToleranceResult) -> dict[str, Any]:
 
 def tolerance_table(result: ToleranceResult) -> pd.DataFrame:
     """One row a quantity, the worst first; the columns of docs/tolerance.md."""
+    import pandas as pd  # a document needs none of it
+
     distances = [item.depth_m * 1e3 for item in result.depths]
     return pd.DataFrame(
         [

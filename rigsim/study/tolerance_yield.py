@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,7 +21,9 @@ from rigsim.study.tolerance import (
 )
 from rigsim.study.tolerance_built import DepthErrors, depth_errors, draw
 from rigsim.study.tolerance_session import Recalibration, make_compensator
-from rigsim.study.tolerance_sobol import Interactions, interactions
+
+if TYPE_CHECKING:
+    from rigsim.study.tolerance_sobol import Interactions
 
 __all__ = ["DepthErrors", "Recalibration", "ToleranceResult", "draw", "make_compensator", "run_tolerance"]
 
@@ -42,7 +45,8 @@ class ToleranceResult:
     depths: tuple[DepthErrors, ...]
     """Near to far; the requirement's is among them."""
     interactions: Interactions | None
-    """Sobol indices at the judged depth; None where a rig of theirs loses a point, or none errs."""
+    """Sobol indices at the judged depth; None where a rig of theirs loses a point, none errs,
+    or they were not asked for."""
     n_rigs: int
     """Rigs built."""
     n_points: int
@@ -77,6 +81,7 @@ def run_tolerance(
     n_rigs: int = 10_000,
     n_points: int = 500,
     seed: int = 0,
+    with_interactions: bool = True,
 ) -> ToleranceResult:
     """Rank the tolerances, build `n_rigs` within them, and count those that meet the requirement.
 
@@ -89,6 +94,7 @@ def run_tolerance(
         n_rigs: rigs to build.
         n_points: points over all depths.
         seed: of the random numbers.
+        with_interactions: find the Sobol indices too.
 
     Raises:
         InvalidRange: no tolerance, a range or count that cannot be, or a depth that not both cameras see.
@@ -109,6 +115,11 @@ def run_tolerance(
     compensator = None
     if recalibration is not None and not off.after_calibration.all():
         compensator = make_compensator(rig, off, recalibration, (near_m, far_m))
+    found = None
+    if with_interactions:
+        from rigsim.study.tolerance_sobol import interactions  # half a second of scipy.stats
+
+        found = interactions(rig, off, planes[required.depth_m], np.random.default_rng([seed, 1]))
     return ToleranceResult(
         rig,
         tolerances,
@@ -116,7 +127,7 @@ def run_tolerance(
         recalibration,
         tuple(sensitivities(rig, off, planes, required)),
         depth_errors(rig, off, planes, built, compensator, rng),
-        interactions(rig, off, planes[required.depth_m], np.random.default_rng([seed, 1])),
+        found,
         n_rigs,
         sum(map(len, planes.values())),
         None if compensator is None else compensator.length_m,
