@@ -67,6 +67,7 @@ def _list(items: Sequence[Preset]) -> None:
         cameras,
         numeric=(*_RIGHT[:-1], True, True, False),
     )
+    typer.echo("? rests on a user's word alone")
     typer.echo("Sources, and figures that contradict these: rigsim presets NAME")
 
 
@@ -74,7 +75,7 @@ def _cells(item: Preset) -> tuple[str, str, str, str, str]:
     lens = item.rig.left
     return (
         item.name,
-        f"{item.rig.baseline_m * 1e3:g}",
+        f"{item.rig.baseline_m * 1e3:g}" + _doubt(item, "baseline_mm"),
         f"{lens.fx:.4g}",
         f"{lens.width}x{lens.height}",
         f"{lens.hfov_deg:.0f}",
@@ -130,7 +131,14 @@ def _note(figure: Figure) -> str:
 
 def _claims(item: Preset) -> str:
     claims = [figure for figure in item.figures if figure.quantity == "accuracy_pct"]
-    return ", ".join(f"{figure.value:g}%@{(figure.at_mm or 0) / 1e3:g}m" for figure in claims) or "–"
+    said = (f"{figure.value:g}%@{(figure.at_mm or 0) / 1e3:g}m" + "?" * figure.hearsay for figure in claims)
+    return ", ".join(said) or "–"
+
+
+def _doubt(item: Preset, quantity: str) -> str:
+    """A question mark where the figure that counts is hearsay."""
+    used = next((figure for figure in item.figures if figure.quantity == quantity), None)
+    return "?" if used is not None and used.hearsay else ""
 
 
 def _or_dash(value: float | None) -> str:
