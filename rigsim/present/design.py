@@ -125,7 +125,7 @@ def data_sheet(design: Design, pick: Candidate) -> list[tuple[str, str]]:
         ("Exposure", "both cameras triggered together"),
         ("Baseline", f"{words.size(pick.baseline_m, 5)} between the lenses' optical centres"),
         ("Baselines allowed", f"{low} to {high}"),
-        ("Axes", "parallel, right camera to the right of the left one at the same height"),
+        ("Mounting", "axes parallel, at the same height; tolerances below"),
         ("Working range", f"{words.distance(spec.near_m)} to {words.distance(spec.far_m)}"),
         ("Disparity search", f"{f_b / spec.far_m:.4g} px (far) to {f_b / spec.near_m:.4g} px (near)"),
         ("Seen by both from", f"{words.size(blind_zone_m(pick.rig))} on"),
