@@ -49,7 +49,7 @@ class Quantity(Part):
     variance_share: float
     """Its share of the mean squared depth error there, 0 to 1."""
     sobol_first: float | None
-    """First-order Sobol index of a rig's RMS depth error; null where a rig loses a point, or not found out."""
+    """First-order Sobol index of a rig's RMS depth error; null where a rig loses a point or not asked."""
     sobol_first_se: float | None
     """Its standard error."""
     sobol_total: float | None
@@ -57,7 +57,7 @@ class Quantity(Part):
     sobol_total_se: float | None
     """Its standard error."""
     sobol_bias_first: float | None
-    """First-order Sobol index of a rig's mean depth error; null where a rig loses a point, or not found out."""
+    """First-order Sobol index of a rig's mean depth error; null where a rig loses a point or not asked."""
     sobol_bias_first_se: float | None
     """Its standard error."""
     sobol_bias_total: float | None
