@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from sampling import close
@@ -120,6 +121,7 @@ def test_what_is_said() -> None:
         "Recalibration at its best: 60 features in 10 pictures, 0.25 px each, averaged to 0.079 px; one"
         " length of 2.05 m known to 0.5 mm"
     )
+    assert interactions_sentence(replace(quiet, interactions=None)) == ""
     lost = run(CLASSES["printed"].tolerances(RIG), 5.0)
     assert lost.interactions is None
     assert interactions_sentence(lost).startswith("No Sobol indices at 5 m: some rigs have no depth at all")

@@ -102,7 +102,8 @@ def farthest_error(requirements: Sequence[Asked]) -> Asked:
 def _says(result: ToleranceResult, asked: Asked, yields: Sequence[ClassYield], class_name: str) -> str:
     worst = [item for item in result.sensitivities if math.isfinite(item.needed_equal_share)][:2]
     hold = " and ".join(
-        f"{QUANTITIES[item.key]} to {item.needed_equal_share:.2g} {UNITS[item.key]}".rstrip()
+        f"{QUANTITIES[item.key]} to {'±' * result.tolerances.is_bound(item.key)}"
+        f"{item.needed_equal_share:.2g} {UNITS[item.key]}".rstrip()
         for item in worst
     )
     own = next(item for item in yields if item.name == class_name)

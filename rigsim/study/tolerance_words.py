@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from rigsim.study.tolerance_inputs import QUANTITIES
 from rigsim.study.tolerance_yield import ToleranceResult
 
 
 def interactions_sentence(result: ToleranceResult) -> str:
-    """Whether quantities act on one another, by the Sobol indices of the depth error."""
+    """Whether quantities act on one another, by the Sobol indices of the depth error; empty without any."""
     found, at = result.interactions, f"{result.required.depth_m:g} m"
     if found is None:
+        if np.isfinite(result.judged.per_rig_mm).all():
+            return ""
         return (
             f"No Sobol indices at {at}: some rigs have no depth at all there, so its error has no variance;"
             " judge the rigs at a nearer distance."
