@@ -262,6 +262,16 @@ def test_a_standard_output_that_takes_nothing_is_one_line() -> None:
         assert done.stderr.count(b"\n") == 1
 
 
+def test_a_full_disk_under_a_table_is_one_line() -> None:
+    words = f"{sys.executable} -m rigsim scenes >/dev/full"
+    done = subprocess.run(["sh", "-c", words], capture_output=True, check=False)
+    assert done.returncode == 1
+    assert (
+        done.stderr
+        == b"rigsim: error: output: No space left on device; send it elsewhere, or free some space\n"
+    )
+
+
 def test_text_is_strict() -> None:
     nan, inf = float("nan"), float("inf")
     said = json_text({"a": nan, "b": [inf, (1, -inf)], "c": {"d": nan}, "e": 0.1 + 0.2, "f": "é", "g": None})
