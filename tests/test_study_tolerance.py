@@ -30,7 +30,7 @@ from rigsim.study.tolerance import (
     shared_points,
     with_values,
 )
-from rigsim.study.tolerance_batch import PARAMETERS, RigBatch, read_rays
+from rigsim.study.tolerance_batch import PARAMETERS, RigBatch, read_rays, read_rays_near
 from rigsim.study.tolerance_classes import iso_2768_m_mm
 from rigsim.study.tolerance_compensator import Compensator
 from rigsim.study.tolerance_places import places
@@ -199,6 +199,19 @@ def test_epipolar_errors_are_pixels() -> None:
     pixels[3] += 0.5
     error = RigBatch(RIG, EXACT).epipolar_error_px(read_rays(RIG, pixels))
     close(np.abs(error), np.full((1, 5), 0.5 / math.sqrt(2)), rtol=1e-9)
+
+
+@pytest.mark.parametrize("kind", RIGS)
+def test_rays_read_from_nearby_are_the_same(kind: str) -> None:
+    rig, rng = RIGS[kind], np.random.default_rng(7)
+    points = points_in_view(rig, 200, *RANGE)
+    # ten times what a printed rig is off by in the lenses
+    thetas = rng.standard_normal((40, 12)) * STD * np.array([1, 1, 1, 1, 1, 1, 10, 10, 5, 5, 10, 10])
+    pixels = RigBatch(rig, thetas).project(points)
+    near, far = read_rays_near(rig, pixels, points), read_rays(rig, pixels)
+    for one, other in zip((*near.left, *near.right), (*far.left, *far.right), strict=True):
+        assert np.array_equal(np.isnan(one), np.isnan(other))
+        close(one, other, rtol=0, atol=1e-9)
 
 
 def test_points_behind_or_folded_are_nan() -> None:

@@ -18,6 +18,8 @@ PARAMETERS = (*NAMES, "right_cy_px", "both_focal_px")
 """What a rig of a batch may be off by: `Perturbation`'s ten quantities, the right principal point's v and
 a focal length, fx and fy, that both cameras share; px."""
 _PIXELS = 2
+_NEAR_STEPS = 4
+_NEAR_PX = 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -162,6 +164,30 @@ def read_rays(rig: StereoRig, pixels: Array) -> Rays:
         else:
             ideal = camera.normalize(np.stack([u, v], axis=-1))
             found.append((ideal[..., 0], ideal[..., 1]))
+    return Rays(*found)
+
+
+def read_rays_near(rig: StereoRig, pixels: Array, points_left: Array) -> Rays:
+    """The same for `pixels` (4, n, m) that nearly are those of `points_left` (m, 3) m, several times faster.
+
+    Newton starts at the points' own positions; what it does not bring back to its pixel is NaN.
+    """
+    exact = RigBatch(rig, np.zeros((1, len(PARAMETERS))))
+    found = []
+    for camera, place, points, read in (
+        (rig.left, 0, points_left, exact.rays_left),
+        (rig.right, _PIXELS, rig.right_from_left.apply(points_left), exact.rays_right),
+    ):
+        start = (points[:, 0] / points[:, 2], points[:, 1] / points[:, 2])
+        x, y = read(pixels, Rays(start, start), _NEAR_STEPS)
+        if camera.distortion is not None:
+            with np.errstate(all="ignore"):
+                seen_x, seen_y = _distort(x, y, np.array(camera.distortion.k1), camera.distortion)
+                off_x = seen_x * camera.fx + camera.cx - pixels[place]
+                off_y = seen_y * camera.fy + camera.cy - pixels[place + 1]
+                lost = ~(off_x * off_x + off_y * off_y < _NEAR_PX**2)
+            x[lost] = y[lost] = np.nan
+        found.append((x, y))
     return Rays(*found)
 
 

@@ -13,7 +13,7 @@ from scipy.special import ndtri
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance import Causes, first_order
-from rigsim.study.tolerance_batch import PARAMETERS, Rays, RigBatch, read_rays
+from rigsim.study.tolerance_batch import PARAMETERS, Rays, RigBatch, read_rays, read_rays_near
 from rigsim.study.tolerance_compensator import Compensator
 from rigsim.theory.triangulation import triangulate
 
@@ -64,7 +64,7 @@ def built_depths(rig: StereoRig, thetas: Array, points: Array) -> tuple[Array, A
     """
     pixels = RigBatch(rig, thetas).project(points)
     if rig.left.distortion is not None or rig.right.distortion is not None:
-        read = read_rays(rig, pixels)
+        read = read_rays_near(rig, pixels, points)
         # `optimal` would iterate; one step differs in the second order of the epipolar error alone
         return RigBatch(rig, np.zeros((1, len(PARAMETERS)))).triangulate(read)[2], pixels, read
     flat = pixels.reshape(4, -1).T
