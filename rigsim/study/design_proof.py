@@ -140,7 +140,7 @@ def _grounds(checks: Sequence[Check], plan: Plan, method: str, label: str) -> st
         f"{plan.n_trials} trials each"
     )
     if n_measured:
-        return f"{simulated}, and measured on {n_measured} {method} in pictures taken with {label}"
+        return f"{simulated}, and measured on {n_measured} {method} in the pictures (sensor: {label})"
     return f"{simulated}; the pictures have too little to measure near those distances"
 
 

@@ -223,7 +223,7 @@ def measure_noise(specification: Specification, candidate: Candidate, room: Room
         specification,
         noise_px=words.rounded(noise_px, up=True, digits=2),
         noise_source="measured",
-        noise_says=f"measured with {trial.fitting.label} in `{room.plan.scene}` on "
+        noise_says=f"measured in `{room.plan.scene}` (sensor: {trial.fitting.label}) on "
         f"{int((~matches.outlier).sum())} {matches.method}, {when}",
     )
 
