@@ -47,11 +47,11 @@ def sentences(design: Design, proofs: Sequence[Proof]) -> tuple[str, ...]:
             f"{proof.why[:1].upper()}{proof.why[1:]}." if proof.candidate == pick else f"{rig}: {proof.why}."
         )
     spec = design.specification
-    proof = next((proof for proof in proofs if proof.candidate == pick), None)
-    if proof is not None and proof.method == "corners" and spec.noise_source != "measured":
+    own = next((p for p in proofs if p.candidate == pick), None)
+    if own is not None and own.method == "corners" and spec.noise_source != "measured":
         said.append(
-            "What is measured are corners of calibration boards, the most exact points there are: surfaces come "
-            "nearer to the noise simulated."
+            "What is measured are corners of calibration boards, the most exact points there are: surfaces "
+            "come nearer to the noise simulated."
         )
     said.append(f"Pixel noise {spec.noise_px:.3g} px per coordinate: {spec.noise_says}.")
     n = len(design.feasible)
