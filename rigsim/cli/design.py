@@ -192,8 +192,8 @@ def _deliver(
     as_json: bool,
 ) -> None:
     from rigsim.interop import folder
+    from rigsim.interop.documents.text import json_text
     from rigsim.interop.rig_toml import write_rig
-    from rigsim.interop.tables import json_bytes
     from rigsim.study.design_document import design_document, recommended
 
     document = design_document(found, proofs, tolerance)
@@ -205,7 +205,7 @@ def _deliver(
         comment = f"rigsim design: {document['recommended']['reason']}"
         files = {
             "rig.toml": write_rig(pick.rig, comment, sensor).encode(),
-            "design.json": json_bytes(document),
+            "design.json": (json_text(document) + "\n").encode(),
             "design.html": design_html(found, proofs, tolerance, command).encode(),
         }
         folder.write_folder(target, files, force)

@@ -22,8 +22,8 @@ from rigsim.present.design_console import (
 )
 from rigsim.present.design_figures import pareto_figure, plan_figure, region_figure
 from rigsim.present.format import MISSING, count, percent
-from rigsim.present.report import _data_uri
 from rigsim.present.tolerance import quantity_heads, quantity_rows, tolerance_figure
+from rigsim.rig.arrays import Image
 from rigsim.study import design_words as words
 from rigsim.study.design import Candidate, Design
 from rigsim.study.design_document import recommended
@@ -65,12 +65,18 @@ def design_html(
         heads=[head.replace("\n", " ") for head in CANDIDATE_HEADS],
         front=[candidate_row(candidate) for candidate in _one_a_camera(design)],
         sheet=data_sheet(design, pick),
-        left=_data_uri(show.image_left) if show else "",
-        right=_data_uri(show.image_right) if show else "",
+        left="" if show is None else _picture(show.image_left),
+        right="" if show is None else _picture(show.image_right),
         sensor="" if proof is None else proof.sensor,
         tolerance=None if tolerance is None else _tolerance_part(tolerance),
         command=command,
     )
+
+
+def _picture(image: Image) -> str:
+    from rigsim.present.report import _data_uri  # and with it pandas, which formulas alone do without
+
+    return _data_uri(image)
 
 
 def _tolerance_part(tolerance: DesignTolerance) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from rigsim.theory.inverse import Requirement as Asked
 
 CLASS = "machined"
 """Class whose tolerances are ranked, unless asked for otherwise."""
-_RIGS = 400
+_RIGS = 300
 _POINTS = 60
 
 
