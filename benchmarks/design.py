@@ -15,7 +15,7 @@ ASKED = ("--range", "0.5:3m", "--depth-error", "10mm@3m", "--fov", "60deg")
 
 
 def run() -> None:
-    """Print seconds of whole processes, interpreter and report included; CPU seconds tell on a busy machine."""
+    """Print seconds of whole processes, interpreter and report included, and of CPU, for busy machines."""
     print(f"rigsim design {' '.join(ASKED)}")
     for what, words, limit_s in (
         ("formulas alone, --json", ("--no-proof", "--json"), 2),
