@@ -67,7 +67,7 @@ def worst_reference(rig: StereoRig) -> float:
     rng = np.random.default_rng(0)
     off = causes(rig, CLASSES["machined"].tolerances(rig))
     compensator = make_compensator(rig, off, Recalibration(), RANGE_M)
-    thetas = draw(off, "normal", _REFERENCES, rng) * off.std @ off.effect
+    thetas = draw(off, _REFERENCES, rng) * off.std @ off.effect
     pixels = compensator.observe(thetas, rng)
     ours = (compensator.residuals(pixels, compensator.solve(pixels)) ** 2).sum(axis=1)
     worst = 0.0
@@ -76,14 +76,14 @@ def worst_reference(rig: StereoRig) -> float:
         def residuals(scaled: Array, i: int = i) -> Array:
             return single_residuals(compensator, pixels[:, i], scaled * compensator.std)
 
-        best = least_squares(residuals, np.zeros(10), jac="3-point", xtol=1e-15, ftol=1e-15, gtol=1e-15)
+        best = least_squares(residuals, np.zeros(12), jac="3-point", xtol=1e-15, ftol=1e-15, gtol=1e-15)
         worst = max(worst, abs(ours[i] / (2 * best.cost) - 1))
     return worst
 
 
 def single_residuals(compensator: Compensator, pixels: Array, theta: Array) -> Array:
     """The residuals of one rig, by its own pose, lenses and optimal triangulation."""
-    rig = Perturbation(**dict(zip(NAMES, map(float, theta), strict=True))).apply(compensator.rig)
+    rig = built(compensator.rig, theta)
     left = np.column_stack([rig.left.normalize(pixels[:2].T), np.ones(pixels.shape[1])])
     right = np.column_stack([rig.right.normalize(pixels[2:].T), np.ones(pixels.shape[1])])
     R, t = rig.right_from_left.R, rig.right_from_left.t
@@ -93,8 +93,20 @@ def single_residuals(compensator: Compensator, pixels: Array, theta: Array) -> A
     )
     epipolar = (right * lines_right).sum(axis=1) / np.linalg.norm(slopes, axis=1)
     one, other = triangulate(rig, pixels[:2, -2:].T, pixels[2:, -2:].T)
-    length = (np.linalg.norm(other - one) - compensator.length_m) / length_sigma_m(compensator)
+    known_m = compensator.length_m
+    length = known_m * (1 - known_m / np.linalg.norm(other - one)) / length_sigma_m(compensator)
     return np.concatenate([epipolar[:-2] / compensator.noise_px, [length], theta / compensator.std])
+
+
+def built(rig: StereoRig, theta: Array) -> StereoRig:
+    """The rig that is off by `theta` (12,)."""
+    moved = Perturbation(**dict(zip(NAMES, map(float, theta), strict=False))).apply(rig)
+    right_cy_px, both_focal_px = map(float, theta[len(NAMES) :])
+    left, right = (
+        replace(lens, fx=lens.fx + both_focal_px, fy=lens.fy + both_focal_px)
+        for lens in (moved.left, moved.right)
+    )
+    return StereoRig(left, replace(right, cy=right.cy + right_cy_px), moved.right_from_left)
 
 
 def length_sigma_m(compensator: Compensator) -> float:

@@ -19,6 +19,7 @@ from rigsim.cli.app import run
 from rigsim.interop.rig_toml import write_rig
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
+from tests.documents import valid
 
 W1 = "--focal 1200 --baseline 150 --left 980,500 --right 910,500"
 
@@ -30,7 +31,7 @@ def calc(capsys: pytest.CaptureFixture[str]) -> Any:
     def answer(words: str) -> dict[str, Any]:
         capsys.readouterr()
         assert run(["calc", *words.split(), "--json"]) == 0
-        return dict(json.loads(capsys.readouterr().out))
+        return valid(f"calc-{words.split()[0]}", capsys.readouterr().out)
 
     return answer
 

@@ -49,9 +49,57 @@ def test_a_verified_rig_with_its_files(capsys: pytest.CaptureFixture[str], tmp_p
     close(asked["depth_error"]["simulated"], asked["depth_error"]["achieved"], rtol=0.03)
     page = (tmp_path / "out" / "design.html").read_text()
     assert "Verified by simulation" in page
-    assert len(re.findall("<svg ", page)) == 3
+    assert len(re.findall("<svg ", page)) == 4
     assert "<script" not in page
     assert not re.search(r'(src|href)="https?:', page)
+
+
+def test_the_report_says_what_to_buy_and_what_to_hold(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    words = [*ASKED, "--sensor", "ov9282", "--lens", "4mm", "--noise", "0.25", "--no-proof"]
+    assert run(["design", *words, "--class", "calibrated", "--out", "out"]) == 0
+    printed = capsys.readouterr().out
+    assert "Good rigs, % as built / recalibrated: printed" in printed
+    assert "calibrated rigs" in printed
+    page = (tmp_path / "out" / "design.html").read_text()
+    for said in ("OmniVision OV9282, 3.84 × 2.40 mm", "4 mm, image circle at least 4.5 mm", "Mounting"):
+        assert said in page
+    assert "Not verified: formulas only" in page
+    assert not re.search(r"\d\.\d{7}", re.sub(r"<svg.*?</svg>|data:[^\"]*", "", page, flags=re.DOTALL))
+    document = json.loads((tmp_path / "out" / "design.json").read_text())
+    held = document["tolerance"]
+    assert held["class"] == "calibrated"
+    assert set(held["yield"]) == {"printed", "machined", "calibrated"}
+    close([held["required"]["depth_error_mm"], held["required"]["distance_mm"]], [60, 3000])
+    assert (document["noise_source"], document["noise_px"]) == ("given", 0.25)
+
+
+def test_where_the_noise_comes_from(capsys: pytest.CaptureFixture[str]) -> None:
+    sensor = ["--sensor", "mt9m031", "--lens", "4mm"]
+    assert answer(capsys, *ASKED, *sensor, "--no-proof")["noise_source"] == "assumed"
+    document = answer(capsys, *ASKED, *sensor)
+    assert document["noise_source"] == "measured"
+    assert "MT9M031" in str(document["noise_says"])
+    assert isinstance(document["requirements"], list)
+    error = document["requirements"][0]
+    assert error["measured_n"] >= 30
+    assert 0 < error["measured"] <= 60 * 1.3
+    assert error["shown_by"] == "points"
+    assert error["met"] is True
+
+
+def test_overlap_may_be_asked_for_elsewhere(capsys: pytest.CaptureFixture[str]) -> None:
+    lens = ["--lens", "1000px", "--resolution", "1280x960", "--noise", "0.25", "--no-proof"]
+    document = answer(capsys, *ASKED, *lens, "--min-overlap", "90%@1m", "--min-overlap", "10%")
+    asked = {
+        item["at_mm"]: item["required"]
+        for item in document["requirements"]
+        if item["requirement"] == "overlap"
+    }
+    assert asked == {1000: 0.9, 500: 0.1}
+    # 10 % of 1280 px at 1 m are 128 px of 1000: 128 mm
+    close(document["feasible"][0]["baseline_max_mm"], 128, rtol=1e-9)
 
 
 def test_by_hand(capsys: pytest.CaptureFixture[str]) -> None:
@@ -151,6 +199,16 @@ def test_preference_changes_the_pick(capsys: pytest.CaptureFixture[str]) -> None
         ([*ASKED, "--max-disparity", "10"], 1, "relax one: "),
         ([*ASKED, "--fov", "60deg", "--lens", "30deg"], 1, "field of view from 60° to 30°"),
         ([*ASKED, "--cover", "50m@3m"], 1, "coverage at 3 m >= 50 m"),
+        ([*ASKED, "--nearest-focus", "0.6m"], 2, "nearer than the lenses focus, 0.6 m"),
+        ([*ASKED, "--nearest-focus", "0.6"], 2, "Write the unit"),
+        ([*ASKED, "--min-overlap", "80%@4m"], 2, "outside the range"),
+        ([*ASKED, "--min-overlap", "80%@1"], 2, "Write the unit"),
+        ([*ASKED, "--class", "cast"], 2, "printed, machined, calibrated"),
+        ([*ASKED, "--sensor", "imx264,IMX264"], 2, "stands there twice"),
+        ([*ASKED, "--image-noise", "1,2"], 2, "takes one"),
+        ([*ASKED, "--measure", "circles"], 2, "choose one of auto"),
+        ([*ASKED, "--depth-error", "-5mm"], 2, "must be"),
+        ([*ASKED, "--max-baseline", "-1"], 2, "must be > 0"),
     ],
 )
 def test_bad_input_is_one_line_and_writes_nothing(

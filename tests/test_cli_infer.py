@@ -109,6 +109,36 @@ def test_every_key_is_in_the_schema(infer: Any, tmp_path: Path) -> None:
         assert f"`{key}`" in schema, key
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        "--claim 2%@4m --preset oak-d",
+        "--claim 1%@1m,1%@2m,1%@4m --preset oak-d --to d455 --at 1m",
+        "--data wall.csv --preset d455 --to oak-d --at 1m,2m,200m",
+    ],
+)
+def test_a_folder_holds_the_document_and_a_picture(
+    infer: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("wall.csv").write_text(WALL)
+    answer = infer(f"{words} --out found")
+    assert {path.name for path in Path("found").iterdir()} == {"infer.json", "infer.png"}
+    assert json.loads(Path("found/infer.json").read_text(encoding="utf-8")) == answer
+    assert Path("found/infer.png").read_bytes().startswith(b"\x89PNG")
+    # what is there stays, unless said otherwise
+    assert run(["infer", *words.split(), "--out", "found"]) == 1
+    assert run(["infer", *words.split(), "--out", "found", "--force"]) == 0
+
+
+def test_a_fault_writes_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "found"
+    words = ["--claim", "1%@4m", "--preset", "oak-d", "--to", "kinect", "--out", str(out)]
+    assert run(["infer", *words]) == 1
+    assert not out.exists()
+    assert capsys.readouterr().err.count("\n") == 1
+
+
 def test_people_get_tables_that_fit(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -140,6 +170,10 @@ def test_people_get_tables_that_fit(
         ("--claim 1% --preset oak-d", "claim 1%: write error@distance, as in 1%@4m"),
         ("--claim 1%@4m,2%@4m --preset oak-d", "4m stands there twice"),
         ("--claim 11:13m@10m --preset oak-d", "10m must lie between the two bounds"),
+        ("--claim 1%@0m --preset oak-d", "distance 0 mm: must be > 0"),
+        ("--claim 0%@4m --preset oak-d", "percent of the distance must be > 0 and <= 100"),
+        ("--claim 1%@4m --to oak-d --at 0m --preset oak-d", "depth 0 mm: must be > 0"),
+        ("--claim 1%@4m --to oak-d --at 1parsec --preset oak-d", "unknown unit 'parsec'"),
         ("--claim 1%@4m --at 1m --preset oak-d", "--at is about another rig"),
         ("--claim 1%@4m --to kinect --preset oak-d", "unknown preset 'kinect': choose one of boards"),
         ("--claim 1%@4m --to no.toml --preset oak-d", "no.toml: cannot be read"),

@@ -17,6 +17,7 @@ from rigsim.cli.app import run
 from rigsim.interop.middlebury import disparity_png, read_disparity
 from rigsim.interop.rig_toml import read_rig, write_rig
 from rigsim.measure.pfm import pfm_bytes
+from tests.documents import valid
 from tests.textured_images import affine_pair, noisy
 
 DOFFS = 5.0
@@ -101,7 +102,7 @@ def here(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def document(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
     capsys.readouterr()
     assert run(["measure", *words, "--json"]) == 0, capsys.readouterr().err
-    return dict(json.loads(capsys.readouterr().out))
+    return valid("measure", capsys.readouterr().out)
 
 
 PAIR = ("left.png", "right.png", "--rig", "calib.txt")

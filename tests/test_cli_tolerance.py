@@ -39,10 +39,13 @@ def test_json_by_hand(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_units_of_tolerances(capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["yaw=6arcmin", "axial=0.1cm", "principal=2px", "k1-both=1e-3", "time=100us", "temperature=5K"]
+    words = ["yaw=6arcmin", "axial=0.1cm", "principal=+-2px", "k1-both=±1e-3", "time=100us", "temperature=5K"]
     options = [part for word in words for part in ("--tolerance", word)]
     said = document(capsys, "--class", "none", *options, "--no-recalibrate", "--speed", "2")
     found = {row["quantity"]: row["tolerance"] for row in said["quantities"]}
+    forms = {row["quantity"]: row["form"] for row in said["quantities"]}
+    assert {key for key, form in forms.items() if form == "bound"} == {"right_cx_px", "both_k1"}
+    assert {row["source"] for row in said["quantities"]} == {"given"}
     assert found == pytest.approx(
         {
             "yaw_deg": 0.1,
@@ -59,10 +62,42 @@ def test_units_of_tolerances(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_recalibration_helps(capsys: pytest.CaptureFixture[str]) -> None:
-    said = document(capsys, "--depth-error", "20mm@3m")
-    assert said["yield"]["as_built"] < 0.1
+    words = ("--class", "calibrated", "--depth-error", "20mm@3m")
+    said = document(capsys, *words)
+    assert said["yield"]["as_built"] < 0.4
     assert said["yield"]["recalibrated"] > 0.95
-    assert [row["quantity"] for row in said["quantities"]][:2] == ["right_cx_px", "yaw_deg"]
+    assert [row["quantity"] for row in said["quantities"]][:2] == ["right_cx_px", "right_focal_px"]
+    assert said["recalibration"]["averaged_noise_px"] == pytest.approx(0.25 / 10**0.5)
+    # one picture of a dozen features and worse pixels leave more
+    session = "--recalibration-features 12 --recalibration-pictures 1 --noise 0.5 --length-std 2mm"
+    poor = document(capsys, *words, *session.split())
+    assert poor["recalibration"]["features"] == 12
+    assert poor["recalibration"]["pictures"] == 1
+    assert poor["recalibration"]["length_std_mm"] == 2.0
+    assert poor["depths"][1]["recalibrated_p50_mm"] > 1.5 * said["depths"][1]["recalibrated_p50_mm"]
+
+
+def test_sobol_indices_stand_beside_the_first_order(capsys: pytest.CaptureFixture[str]) -> None:
+    said = document(capsys, "--class", "calibrated", "--depth-error", "40mm@3m")
+    for row in said["quantities"]:
+        assert row["sobol_first"] == pytest.approx(row["variance_share"], abs=0.03)
+        assert row["sobol_total"] == pytest.approx(row["variance_share"], abs=0.03)
+    assert said["interactions"]["noticed"] == []
+    lost = document(capsys, "--class", "printed", "--range", "1:5m")
+    assert lost["quantities"][0]["sobol_first"] is None
+    assert lost["interactions"]["says"].startswith("No Sobol indices at 5 m")
+
+
+def test_sources_and_estimates_are_told(capsys: pytest.CaptureFixture[str]) -> None:
+    said = document(capsys, "--tolerance", "roll=0.1")
+    source = {row["quantity"]: row["source"] for row in said["quantities"]}
+    assert source["yaw_deg"] == "ISO 2768-m"
+    assert source["roll_deg"] == "given"
+    assert source["right_k1"] == "estimate"
+    assert run([*FEW, "--no-recalibrate"]) == 0
+    rows = capsys.readouterr().out.splitlines()
+    assert any(line.startswith("yaw ") and line.endswith("ISO 2768-m") for line in rows)
+    assert any(line.startswith("right k1 ") and line.endswith("estimate") for line in rows)
 
 
 def test_a_folder_and_a_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -79,6 +114,7 @@ def test_a_folder_and_a_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]
         "tolerance.csv",
         "tolerance.json",
         "tolerance.png",
+        "places.png",
     }
     rows = list(csv.DictReader((folder / "tolerance.csv").read_text(encoding="utf-8").splitlines()))
     written = json.loads((folder / "tolerance.json").read_text(encoding="utf-8"))
@@ -86,9 +122,10 @@ def test_a_folder_and_a_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert float(rows[0]["depth_error_at_5000_mm"]) == pytest.approx(
         written["quantities"][0]["depth_error_mm"][2]
     )
-    assert rows[-1]["quantity"] == "vertical_mm"
-    assert rows[-1]["needed_alone"] == ""
-    assert (folder / "tolerance.png").read_bytes().startswith(b"\x89PNG")
+    idle = {row["quantity"]: row for row in rows}["vertical_mm"]
+    assert idle["needed_alone"] == ""
+    for name in ("tolerance.png", "places.png"):
+        assert (folder / name).read_bytes().startswith(b"\x89PNG")
     # once more into the same folder is refused
     assert run([*FEW, *words]) == 1
 
@@ -114,6 +151,18 @@ def test_a_folder_and_a_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]
         (["--rigs", "0"], "rigs 0: must be >= 2"),
         (["--points", "3"], "points 3: must be >= 12"),
         (["--length-std", "0"], "known length's std 0 mm: must be > 0"),
+        (["--tolerance", "yaw=+--1"], "tolerance yaw -1 deg: must be >= 0"),
+        (["--tolerance", "focal=1mm"], "tolerance focal 1mm: unknown unit 'mm'; write one of px"),
+        (["--tolerance", "temperature=5C"], "tolerance temperature 5C: unknown unit 'C'; write one of K"),
+        (["--tolerance", "yaw=nan"], "tolerance yaw nan: must be a finite number"),
+        (["--depth-error=-1mm"], "depth error -1 mm: must be > 0"),
+        (["--depth-error", "0%"], "required depth error 0 mm: must be > 0"),
+        (["--depth-error", "10mm@0m"], "depth 0 mm: must be > 0"),
+        (["--range", "5:1m"], "depth 5:1m: end 1000 mm must be > start 5000 mm; swap them"),
+        (["--recalibration-features", "7"], "recalibration features 7: must be >= 8"),
+        (["--recalibration-features", "5000"], "recalibration features 5000: must be <= 1000"),
+        (["--recalibration-pictures", "0"], "recalibration pictures 0: must be >= 1"),
+        (["--noise=-1"], "noise -1 px: must be >= 0"),
         (["--speed=-1"], "speed -1 m/s: must be >= 0"),
     ],
 )
@@ -137,6 +186,8 @@ def test_the_page_holds_every_key_and_quantity(capsys: pytest.CaptureFixture[str
         *said["rig"],
         *said["required"],
         *said["yield"],
+        *said["interactions"],
+        *said["recalibration"],
     }
     documented = set(re.findall(r"`([\w.]+)`", PAGE))
     assert keys <= documented

@@ -161,6 +161,16 @@ def test_an_empty_table_is_just_its_heads() -> None:
     assert target.file.getvalue() == "Nothing\na  b\n----\n\n"
 
 
+@pytest.mark.parametrize("width", [3, WIDTH])
+def test_a_column_may_be_empty_head_and_all(width: int) -> None:
+    target = console(width)
+    print_table("", ["quantity", ""], [["yaw", ""], ["pitch", ""]], console=target)
+    print_table("", [""], [[""]], console=target)
+    assert isinstance(target.file, io.StringIO)
+    words = [line for line in target.file.getvalue().splitlines() if line.strip("-")]
+    assert words == ["quantity", "yaw", "pitch"]
+
+
 def test_make_console_prints_brackets_as_they_are(capsys: pytest.CaptureFixture[str]) -> None:
     make_console(width=80).print("[bold]x[/bold] :smile:")
     assert capsys.readouterr().out == "[bold]x[/bold] :smile:\n"

@@ -63,7 +63,7 @@ def test_every_figure_has_a_source_with_an_address(name: str) -> None:
         assert (figure.at_mm is not None) == (figure.quantity == "accuracy_pct")
 
 
-@pytest.mark.parametrize("name", ["oak-d", "d415", "d455"])
+@pytest.mark.parametrize("name", ["oak-d", "d405", "d415", "d455"])
 def test_the_least_depth_is_what_baseline_lens_and_search_give(name: str) -> None:
     # three numbers of different origin against a fourth
     item = preset(name)
@@ -95,6 +95,42 @@ def test_contradictions_are_both_told(answer: Any) -> None:
         (figure["value"], figure["at_mm"]) for figure in figures if figure["quantity"] == "accuracy_pct"
     ]
     assert claims == [(2, 4000), (4, 7000), (6, 10500)]
+
+
+def test_what_rests_on_a_users_word_alone_says_so(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    hearsay = {
+        (item.name, figure.quantity, figure.value)
+        for item in PRESETS.values()
+        for figure in item.figures
+        if figure.hearsay
+    }
+    assert hearsay == {
+        ("d435", "baseline_mm", 50),
+        ("d435", "accuracy_pct", 2),
+        ("d405", "accuracy_pct", 1.4),
+    }
+    # no figure says it in other words and escapes the mark
+    for item in PRESETS.values():
+        for figure in item.figures:
+            assert figure.hearsay == ("user" in figure.source)
+    assert run(["presets"]) == 0
+    rows = {line.split()[0]: line for line in capsys.readouterr().out.splitlines() if line.strip()}
+    assert " 50? " in rows["d435"]
+    assert rows["d435"].endswith("0.5%@1m, 2%@2m?")
+    assert "?" not in rows["d455"]
+
+
+def test_figures_that_differ_by_mode_or_year_are_all_told(answer: Any) -> None:
+    figures = answer("presets", "d405")["figures"]
+    depths = [(figure["value"], figure["note"]) for figure in figures if figure["quantity"] == "min_depth_mm"]
+    assert depths[:2] == [(100, "at 1280x720"), (70, "at 848x480")]
+    claims = [
+        (figure["value"], figure["at_mm"]) for figure in figures if figure["quantity"] == "accuracy_pct"
+    ]
+    assert claims == [(2, 500), (1.4, 200)]
 
 
 def test_the_list_as_json_holds_what_each_says_alone(answer: Any) -> None:

@@ -20,6 +20,7 @@ from rigsim.study.infer import (
     infer_disparity_noise,
     transfer,
 )
+from rigsim.study.infer_bias import bias_part
 from rigsim.theory.triangulation import triangulate
 
 REPETITIONS = 200
@@ -182,3 +183,38 @@ def test_equal_distances_leave_the_law_untested() -> None:
 def test_impossible_errors_are_named(make, says: str) -> None:
     with pytest.raises(InvalidRange, match=says):
         make()
+
+
+def test_standard_errors_of_the_bias_by_hand() -> None:
+    # one distance, 100 measurements of std 20 mm: the mean is sure to 2 mm, 0.02 m/px make it 0.1 px
+    found = bias_part(np.array([2.0]), np.array([0.02]), np.array([100]), np.array([0.02]), np.array([0.01]))
+    assert found.disparity_offset_px == pytest.approx(-0.5)
+    assert found.disparity_offset_se_px == pytest.approx(0.1)
+    assert math.isnan(found.scale_se)
+    # without a count nothing is left over to tell it by
+    alone = bias_part(np.array([2.0]), np.array([0.02]), None, np.array([0.02]), np.array([0.01]))
+    assert math.isnan(alone.disparity_offset_se_px)
+
+
+@pytest.mark.parametrize("counted", [True, False])
+def test_standard_errors_of_the_bias_are_the_scatter_of_its_estimates(counted: bool) -> None:
+    rng = np.random.default_rng(4)
+    depths = np.array([0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0])
+    gains = depths**2 / 100
+    stds = 0.2 * gains
+    counts = np.full(len(depths), 50)
+    found = [
+        bias_part(
+            depths,
+            stds,
+            counts if counted else None,
+            gains,
+            0.1 * gains + 0.003 * depths + stds / math.sqrt(50) * rng.standard_normal(len(depths)),
+        )
+        for _ in range(2000)
+    ]
+    for value, error in (("disparity_offset_px", "disparity_offset_se_px"), ("scale", "scale_se")):
+        scatter = np.std([getattr(item, value) for item in found])
+        claimed = math.sqrt(np.mean([getattr(item, error) ** 2 for item in found]))
+        # with counts the larger of two is taken, which is a little more on average
+        assert 0.95 < claimed / scatter < (1.2 if counted else 1.05)

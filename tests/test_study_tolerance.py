@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,26 +14,32 @@ from scipy.optimize import least_squares
 
 from rigsim.errors import InvalidRange
 from rigsim.rig.arrays import Array
+from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.perturbation import NAMES, Perturbation
 from rigsim.rig.presets import PRESETS
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance import (
     CLASSES,
     QUANTITIES,
+    Causes,
     Requirement,
     Tolerances,
     causes,
     first_order,
     sensitivities,
     shared_points,
+    with_values,
 )
-from rigsim.study.tolerance_batch import RigBatch, read_rays
+from rigsim.study.tolerance_batch import PARAMETERS, RigBatch, read_rays, read_rays_near
+from rigsim.study.tolerance_classes import iso_2768_m_mm
 from rigsim.study.tolerance_compensator import Compensator
+from rigsim.study.tolerance_places import places
 from rigsim.study.tolerance_yield import Recalibration, ToleranceResult, draw, make_compensator, run_tolerance
 from rigsim.theory.triangulation import triangulate
 
 RIG = PRESETS["boards"].rig
-STD = np.array([0.005, 0.005, 0.005, 3e-4, 3e-4, 3e-4, 5.0, 5.0, 0.01, 0.01])
+STD = np.array([0.005, 0.005, 0.005, 3e-4, 3e-4, 3e-4, 5.0, 5.0, 0.01, 0.01, 5.0, 5.0])
+EXACT = np.zeros((1, len(PARAMETERS)))
 RANGE = (1.0, 5.0)
 
 
@@ -42,7 +49,17 @@ def small_run(tolerances: Tolerances, required: Requirement, **more: object) -> 
 
 
 def true_rig(rig: StereoRig, theta: Array) -> StereoRig:
-    return Perturbation(**dict(zip(NAMES, map(float, theta), strict=True))).apply(rig)
+    built = Perturbation(**dict(zip(NAMES, map(float, theta), strict=False))).apply(rig)
+    right_cy_px, both_focal_px = map(float, theta[len(NAMES) :])
+    return StereoRig(
+        longer(built.left, both_focal_px),
+        replace(longer(built.right, both_focal_px), cy=built.right.cy + right_cy_px),
+        built.right_from_left,
+    )
+
+
+def longer(lens: Intrinsics, by_px: float) -> Intrinsics:
+    return replace(lens, fx=lens.fx + by_px, fy=lens.fy + by_px)
 
 
 def test_a_tenth_of_a_degree_of_yaw_is_44_cm_at_5_m() -> None:
@@ -51,7 +68,7 @@ def test_a_tenth_of_a_degree_of_yaw_is_44_cm_at_5_m() -> None:
     off = causes(rig, Tolerances(yaw_deg=0.1))
     close(first_order(rig, off, np.array([[0.1, 0.0, 5.0]])), [[-0.4363]], rtol=1e-4)
     # built for real, 0.01 deg is a tenth of that: the second order is below a percent
-    theta = np.zeros((1, 10))
+    theta = np.zeros((1, 12))
     theta[0, NAMES.index("yaw_rad")] = math.radians(0.01)
     pixels = RigBatch(rig, theta).project(np.array([[0.1, 0.0, 5.0]]))[:, 0]
     (found,) = triangulate(rig, pixels[:2].T, pixels[2:].T)
@@ -76,6 +93,35 @@ def test_tolerances_needed_by_hand() -> None:
     assert by_key["vertical_mm"].needed_alone == math.inf
 
 
+def test_lenses_that_are_off_by_hand() -> None:
+    # 9 px of 900 that both are longer: everything seems 1/100 nearer; v of the right image moves no depth
+    off = causes(RIG, Tolerances(both_focal_px=9.0, right_cy_px=3.0))
+    close(first_order(RIG, off, np.array([[0.4, 0.1, 3.0]])), [[-0.03, 0.0]], atol=1e-12)
+
+
+@pytest.mark.parametrize("kind", RIGS)
+def test_first_order_is_the_slope_of_what_a_built_rig_measures(kind: str) -> None:
+    rig, steps = RIGS[kind], 1e-4 * STD
+    points = points_in_view(rig, 20, 1.0, 3.0)
+    off = Causes(
+        PARAMETERS,
+        steps,
+        steps,
+        np.zeros(len(steps), dtype=bool),
+        np.eye(len(steps)),
+        np.zeros(len(steps), dtype=bool),
+    )
+    predicted = first_order(rig, off, points)
+    for place, step in enumerate(steps):
+        depths = []
+        for sign in (1, -1):
+            theta = np.zeros(len(steps))
+            theta[place] = sign * step
+            uv_left, uv_right = true_rig(rig, theta).project(points)
+            depths.append(triangulate(rig, uv_left, uv_right)[:, 2])
+        close((depths[0] - depths[1]) / 2, predicted[:, place], rtol=1e-4, atol=1e-8)
+
+
 def test_time_and_temperature_move_the_baseline() -> None:
     # 2 m/s x 1 ms = 2 mm: Z/B x 2 mm = 50 mm further away; 120 mm x 23e-6 x 10 K = 27.6 um: 0.69 mm nearer
     off = causes(RIG, Tolerances(time_offset_ms=1.0, temperature_k=10.0, speed_m_s=2.0))
@@ -90,16 +136,23 @@ def test_time_and_temperature_move_the_baseline() -> None:
 def test_uniform_bounds_are_sqrt_3_standard_deviations_wide() -> None:
     off = causes(RIG, Tolerances(yaw_deg=0.3, distribution="uniform"))
     close(off.std, [0.3 / math.sqrt(3)])
-    drawn = draw(off, "uniform", 2000, np.random.default_rng(0)) * off.std
+    drawn = draw(off, 2000, np.random.default_rng(0)) * off.std
     assert 0.299 < np.abs(drawn).max() <= 0.3
-    for distribution in ("uniform", "normal"):
-        close(draw(off, distribution, 2000, np.random.default_rng(0)).std(), 1.0, rtol=5e-3)
+    normal = causes(RIG, Tolerances(yaw_deg=0.3))
+    for either in (off, normal):
+        close(draw(either, 2000, np.random.default_rng(0)).std(), 1.0, rtol=5e-3)
+    # one may be a bound and another a standard deviation
+    mixed = causes(RIG, Tolerances(yaw_deg=0.3, roll_deg=0.3, bounds=frozenset({"yaw_deg"})))
+    close(mixed.std, [0.3 / math.sqrt(3), 0.3])
+    yaw, roll = np.abs(draw(mixed, 2000, np.random.default_rng(0)) * mixed.std).max(axis=0)
+    assert 0.299 < yaw <= 0.3
+    assert roll > 0.9
 
 
 @pytest.mark.parametrize("kind", RIGS)
 def test_a_batch_is_many_single_rigs(kind: str) -> None:
     rig, rng = RIGS[kind], np.random.default_rng(3)
-    points, thetas = points_in_view(rig, 30, *RANGE), rng.standard_normal((4, 10)) * STD
+    points, thetas = points_in_view(rig, 30, *RANGE), rng.standard_normal((4, 12)) * STD
     batch = RigBatch(rig, thetas)
     pixels = batch.project(points)
     for i, theta in enumerate(thetas):
@@ -115,9 +168,9 @@ def test_a_batch_is_many_single_rigs(kind: str) -> None:
 def test_batched_triangulation_is_the_optimal_one(rig: StereoRig, seed: int) -> None:
     rng = np.random.default_rng(seed)
     points = points_in_view(rig, 8, 1.0, 3.0, seed)
-    pixels = RigBatch(rig, np.zeros((1, 10))).project(points) + 0.1 * rng.standard_normal((4, 1, 8))
+    pixels = RigBatch(rig, EXACT).project(points) + 0.1 * rng.standard_normal((4, 1, 8))
     rays = read_rays(rig, pixels)
-    found = np.stack(RigBatch(rig, np.zeros((1, 10))).triangulate(rays), axis=-1)[0]
+    found = np.stack(RigBatch(rig, EXACT).triangulate(rays), axis=-1)[0]
     best = triangulate(rig, pixels[:2, 0].T, pixels[2:, 0].T)
     close(found, best, rtol=1e-5, atol=1e-6)
 
@@ -125,10 +178,10 @@ def test_batched_triangulation_is_the_optimal_one(rig: StereoRig, seed: int) -> 
 @pytest.mark.parametrize("kind", RIGS)
 def test_one_step_misses_the_optimum_by_the_second_order_alone(kind: str) -> None:
     rig = RIGS[kind]
-    points, assumed = points_in_view(rig, 50, *RANGE), RigBatch(rig, np.zeros((1, 10)))
+    points, assumed = points_in_view(rig, 50, *RANGE), RigBatch(rig, EXACT)
     missed = []
     for pitch_rad in (1e-4, 1e-3):
-        theta = np.zeros((1, 10))
+        theta = np.zeros((1, 12))
         theta[0, NAMES.index("pitch_rad")] = pitch_rad
         pixels = RigBatch(rig, theta).project(points)
         best = triangulate(rig, pixels[:2, 0].T, pixels[2:, 0].T)[:, 2]
@@ -142,14 +195,27 @@ def test_one_step_misses_the_optimum_by_the_second_order_alone(kind: str) -> Non
 def test_epipolar_errors_are_pixels() -> None:
     # equal rows: half of a vertical difference belongs to each image, so its distance is 1/sqrt(2)
     points = shared_points(RIG, 2.0, 5)
-    pixels = RigBatch(RIG, np.zeros((1, 10))).project(points)
+    pixels = RigBatch(RIG, EXACT).project(points)
     pixels[3] += 0.5
-    error = RigBatch(RIG, np.zeros((1, 10))).epipolar_error_px(read_rays(RIG, pixels))
+    error = RigBatch(RIG, EXACT).epipolar_error_px(read_rays(RIG, pixels))
     close(np.abs(error), np.full((1, 5), 0.5 / math.sqrt(2)), rtol=1e-9)
 
 
+@pytest.mark.parametrize("kind", RIGS)
+def test_rays_read_from_nearby_are_the_same(kind: str) -> None:
+    rig, rng = RIGS[kind], np.random.default_rng(7)
+    points = points_in_view(rig, 200, *RANGE)
+    # ten times what a printed rig is off by in the lenses
+    thetas = rng.standard_normal((40, 12)) * STD * np.array([1, 1, 1, 1, 1, 1, 10, 10, 5, 5, 10, 10])
+    pixels = RigBatch(rig, thetas).project(points)
+    near, far = read_rays_near(rig, pixels, points), read_rays(rig, pixels)
+    for one, other in zip((*near.left, *near.right), (*far.left, *far.right), strict=True):
+        assert np.array_equal(np.isnan(one), np.isnan(other))
+        close(one, other, rtol=0, atol=1e-9)
+
+
 def test_points_behind_or_folded_are_nan() -> None:
-    thetas = np.zeros((2, 10))
+    thetas = np.zeros((2, 12))
     thetas[1, NAMES.index("both_k1")] = -0.5
     wide = np.array([[0.95, 0.0, 1.0], [0.0, 0.0, -1.0], [0.1, 0.0, 1.0]])
     pixels = RigBatch(RIG, thetas).project(wide)
@@ -216,7 +282,7 @@ def test_what_comes_after_the_calibration_stays() -> None:
 @pytest.mark.parametrize("kind", ["rectified", "verged", "distorted"])
 def test_compensator_is_the_least_squares_solution(kind: str) -> None:
     rig, rng = RIGS[kind], np.random.default_rng(5)
-    thetas = rng.standard_normal((3, 10)) * STD
+    thetas = rng.standard_normal((3, 12)) * STD
     marks = np.array([[-0.3, 0.1, 2.5], [0.4, -0.1, 2.7]])
     compensator = Compensator(rig, points_in_view(rig, 40, *RANGE), marks, STD, noise_px=0.05)
     pixels = compensator.observe(thetas, rng)
@@ -224,7 +290,7 @@ def test_compensator_is_the_least_squares_solution(kind: str) -> None:
     for i in range(len(thetas)):
         reference = least_squares(
             lambda scaled, i=i: independent_residuals(compensator, pixels[:, i], scaled * STD),
-            np.zeros(10),
+            np.zeros(12),
             xtol=1e-15,
             ftol=1e-15,
             gtol=1e-15,
@@ -249,7 +315,7 @@ def independent_residuals(compensator: Compensator, pixels: Array, theta: Array)
     )
     epipolar = (right * lines_right).sum(axis=1) / np.linalg.norm(slopes, axis=1)
     one, other = triangulate(rig, pixels[:2, -2:].T, pixels[2:, -2:].T)
-    length_error = np.linalg.norm(other - one) - compensator.length_m
+    length_error = compensator.length_m * (1 - compensator.length_m / np.linalg.norm(other - one))
     return np.concatenate(
         [
             epipolar[:-2] / compensator.noise_px,
@@ -283,7 +349,7 @@ def test_known_length_lies_across_the_middle() -> None:
     close(compensator.marks_left[:, 2], [3.0, 3.0])
     assert len(compensator.features_left) == 60
     assert RIG.right.contains(RIG.project(compensator.features_left)[1]).all()
-    assert compensator.noise_px == pytest.approx(0.025)
+    assert compensator.noise_px == pytest.approx(0.25 / math.sqrt(10))
 
 
 def test_the_same_seed_builds_the_same_rigs() -> None:
@@ -296,10 +362,76 @@ def test_the_same_seed_builds_the_same_rigs() -> None:
 @pytest.mark.parametrize("name", CLASSES)
 def test_classes_hold_every_calibrated_quantity(name: str) -> None:
     keys = causes(RIG, CLASSES[name].tolerances(RIG)).keys
-    assert keys == tuple(QUANTITIES)[:10]
+    assert keys == tuple(QUANTITIES)[:12]
+
+
+def test_classes_follow_from_their_sources() -> None:
+    # ISO 2768-1 m: 120 mm +-0.3, 121 mm +-0.5, a 30 mm seat +-0.2, angles of 10 to 50 mm +-30 minutes
+    machined = CLASSES["machined"].tolerances(RIG)
+    assert (machined.baseline_mm, machined.axial_mm, machined.yaw_deg) == (0.3, 0.2, 0.5)
+    wider = StereoRig.rectified(RIG.left, 0.121)
+    assert CLASSES["machined"].tolerances(wider).baseline_mm == 0.5
+    assert [iso_2768_m_mm(length) for length in (3, 6, 7, 400, 401, 3000)] == [0.1, 0.1, 0.2, 0.5, 0.8, 2.0]
+    assert machined.is_bound("yaw_deg")
+    assert machined.std("yaw_deg") == pytest.approx(0.5 / math.sqrt(3))
+    # filament: +-0.3 mm, or 0.5 % of what is longer than 100 mm; over 30 mm that tilts by 0.573 deg
+    printed = CLASSES["printed"].tolerances(RIG)
+    assert printed.baseline_mm == pytest.approx(0.6)
+    assert printed.pitch_deg == pytest.approx(0.57294, abs=1e-5)
+    # a lens of +-5 %: 45 px of 900
+    assert printed.both_focal_px == pytest.approx(45.0)
+    # the example calibration: 0.6533 px of 1038, 0.3408 px of 1280
+    calibrated = CLASSES["calibrated"].tolerances(RIG)
+    assert calibrated.right_focal_px / 900 == pytest.approx(0.6533 / 1038.0285, rel=0.01)
+    assert calibrated.right_cx_px == pytest.approx(0.3408, rel=0.02)
+    assert not calibrated.is_bound("right_cx_px")
+    # what is no source's is called an estimate, and what is given is given
+    assert (machined.source("yaw_deg"), machined.source("right_k1")) == ("ISO 2768-m", "estimate")
+    given_one = with_values(machined, {"yaw_deg": 0.1})
+    assert (given_one.source("yaw_deg"), given_one.is_bound("yaw_deg")) == ("given", False)
+    assert given_one.is_bound("roll_deg")
+
+
+def test_more_pictures_and_features_recalibrate_better() -> None:
+    def left_mm(**session: float) -> float:
+        # a length across the picture says nothing of a focal length that both share
+        tolerances = with_values(CLASSES["machined"].tolerances(RIG), {"both_focal_px": 0.0})
+        result = small_run(
+            tolerances,
+            Requirement(0.1, 1.0),
+            recalibration=Recalibration(**session),
+            n_rigs=200,
+        )
+        after = result.judged.after_per_rig_mm
+        assert after is not None
+        return float(np.median(after))
+
+    base = left_mm()
+    assert left_mm(pictures=100) < 0.9 * base
+    assert left_mm(features=240) < 0.95 * base
+    assert left_mm(noise_px=1.0) > 1.2 * base
+
+
+def test_maps_hold_what_the_table_says() -> None:
+    result = small_run(CLASSES["calibrated"].tolerances(RIG), Requirement(0.04, 3.0))
+    found = places(result)
+    assert found.keys == tuple(item.key for item in result.sensitivities[:5])
+    assert found.together_mm.shape == (len(found.v_px), len(found.u_px)) == (36, 64)
+    worst, seen = result.sensitivities[0], np.isfinite(found.together_mm)
+    # the right camera misses the first 36 columns of 1280 at 3 m: two of 64
+    assert seen.mean() == pytest.approx(1 - 2 / 64)
+    assert found.alone_mm[0][seen].mean() == pytest.approx(worst.common_mm, rel=0.02)
+    whole = np.sqrt((found.together_mm[seen] ** 2).mean())
+    assert whole == pytest.approx(result.judged.first_order_mm, rel=0.05)
 
 
 def test_slips_are_named() -> None:
+    with pytest.raises(InvalidRange, match="recalibration features 2000: must be <= 1000"):
+        Recalibration(features=2000)
+    with pytest.raises(InvalidRange, match="recalibration pictures 0: must be >= 1"):
+        Recalibration(pictures=0)
+    with pytest.raises(InvalidRange, match="tolerance 'tilt': choose one of yaw_deg"):
+        Tolerances(yaw_deg=1, bounds=frozenset({"tilt"}))
     with pytest.raises(InvalidRange, match="tolerance yaw_deg -1: must be a finite number >= 0"):
         Tolerances(yaw_deg=-1)
     with pytest.raises(InvalidRange, match="distribution 'flat': choose one of normal, uniform"):

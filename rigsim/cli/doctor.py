@@ -4,13 +4,23 @@ from __future__ import annotations
 
 import typer
 
+from rigsim.cli.answer import print_document
+from rigsim.cli.options import Json
 
-def doctor() -> None:
+
+def doctor(as_json: Json = False) -> None:
     """Say which renderers work here, and the one line that installs what is missing."""
-    from rigsim.present.console import print_table
     from rigsim.sim import backend
 
     probes = [backend.probe(name) for name in backend.RENDERERS if name != "auto"]
+    if as_json:
+        from rigsim.interop.documents.listings import doctor_document
+
+        print_document(doctor_document(probes))
+        return
+
+    from rigsim.present.console import print_table
+
     print_table(
         "Renderers (--renderer)",
         ("renderer", "works", "detail"),

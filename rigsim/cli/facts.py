@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import typer
 
+from rigsim.cli.answer import print_document
 from rigsim.errors import InvalidRange
 
 
@@ -42,13 +42,14 @@ def print_facts(facts: Sequence[Fact], *, title: str, as_json: bool, as_csv: boo
     if as_json + as_csv + as_markdown > 1:
         raise InvalidRange("--json, --csv and --markdown exclude each other: give one")
     if as_json:
-        numbers = {fact.key: fact.value if math.isfinite(fact.value) else None for fact in facts}
-        typer.echo(json.dumps({**numbers, "unit": "mm"}, indent=2))
+        print_document({**{fact.key: fact.value for fact in facts}, "unit": "mm"})
     elif as_csv:
+        from rigsim.interop.documents.text import DIGITS, clean
+
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow([*(fact.key for fact in facts), "unit"])
-        writer.writerow([*(repr(fact.value) for fact in facts), "mm"])
+        writer.writerow([*(repr(clean(fact.value, DIGITS)) for fact in facts), "mm"])
         typer.echo(text.getvalue(), nl=False)
     elif as_markdown:
         typer.echo("| quantity | value | unit | meaning |\n|---|---:|---|---|")

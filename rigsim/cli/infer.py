@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rigsim.cli import quantity
+from rigsim.cli.answer import print_document
 from rigsim.cli.options import Json, single_rig, takes_rig
 from rigsim.cli.rigs import DEFAULT_PRESET, RigOptions
 from rigsim.errors import InvalidRange
@@ -48,6 +48,8 @@ def infer(
         str | None,
         typer.Option(metavar="Z,...", help="Distances for --to: 1m,2m,4m. By default those given."),
     ] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for infer.json and infer.png.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
     as_json: Json = False,
 ) -> None:
     """Infer the disparity noise that explains depth errors at known distances.
@@ -60,6 +62,10 @@ def infer(
         raise InvalidRange("--p95 is about --claim: --data holds standard deviations")
     if at is not None and to is None:
         raise InvalidRange("--at is about another rig: name it by --to")
+    from rigsim.interop import folder
+
+    if out is not None:
+        folder.check_output(out, force)
     rig = single_rig(options, None)
     errors = _claimed(claim, rig, p95) if claim is not None else _measured(data)
     other = None if to is None else _other_rig(to)
@@ -74,14 +80,21 @@ def infer(
         depths_mm = quantity.values(at, quantity.DEPTH) if at is not None else None
         depths_m = errors.depths_m if depths_mm is None else np.array(depths_mm) / 1e3
         carried = study.transfer(inference, other, depths_m)
-    if as_json:
-        from rigsim.interop.depth_errors import inference_document
+    from rigsim.interop.depth_errors import inference_document
 
-        typer.echo(json.dumps(inference_document(inference, carried), indent=2, allow_nan=False))
+    document = inference_document(inference, carried)
+    if out is not None:
+        from rigsim.interop.tables import json_bytes
+        from rigsim.present.inference_figure import inference_png
+
+        files = {"infer.json": json_bytes(document), "infer.png": inference_png(inference, carried)}
+        folder.write_folder(out, files, force)
+    if as_json:
+        print_document(document)
     else:
         from rigsim.present.inference import print_inference
 
-        print_inference(inference, carried)
+        print_inference(inference, carried, out)
 
 
 def _measured(path: Path | None) -> DepthErrors:

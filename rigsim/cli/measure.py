@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import shlex
 import sys
@@ -13,6 +12,7 @@ from typing import Annotated
 import typer
 
 from rigsim.cli import quantity
+from rigsim.cli.answer import print_document, quiet
 from rigsim.cli.options import Json, single_rig, takes_rig
 from rigsim.cli.rigs import RigOptions
 from rigsim.errors import InvalidRange
@@ -84,25 +84,26 @@ def measure(
     from rigsim.study.pair import measure_pair, versions
 
     files = {"left": left, "right": right} | ({} if truth is None else {"truth": truth})
-    result = measure_pair(
-        image_left,
-        image_right,
-        rig,
-        matcher=matcher if dense else None,
-        board=rows_cols,
-        truth=true,
-        target=pixels,
-        disparity_range=searched or options.disparity_range(),
-        timeout_s=timeout,
-        provenance={"command": shlex.join(["rigsim", *sys.argv[1:]]), **sources(files), **versions()},
-    )
+    with quiet(as_json):
+        result = measure_pair(
+            image_left,
+            image_right,
+            rig,
+            matcher=matcher if dense else None,
+            board=rows_cols,
+            truth=true,
+            target=pixels,
+            disparity_range=searched or options.disparity_range(),
+            timeout_s=timeout,
+            provenance={"command": shlex.join(["rigsim", *sys.argv[1:]]), **sources(files), **versions()},
+        )
 
     from rigsim.present.pair import pair_pictures, print_pair
 
     if out is not None:
         folder.write_folder(out, {**pair_pictures(result), **pair_files(result)}, force)
     if as_json:
-        typer.echo(json.dumps(document(result), indent=2, ensure_ascii=False))
+        print_document(document(result))
     else:
         print_pair(result, out)
 

@@ -65,7 +65,7 @@ Principal = Annotated[
 Noise = Annotated[
     str, typer.Option(metavar="PX", help="Standard deviation of every pixel coordinate in both images.")
 ]
-Json = Annotated[bool, typer.Option("--json", help="Print JSON, at full precision.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON document, at full precision.")]
 Csv = Annotated[bool, typer.Option("--csv", help="Print CSV, at full precision.")]
 Markdown = Annotated[bool, typer.Option("--markdown", help="Print a Markdown table.")]
 

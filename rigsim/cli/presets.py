@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rigsim.cli.answer import print_document
 from rigsim.cli.options import Json
 
 if TYPE_CHECKING:
@@ -40,14 +40,13 @@ def presets(
     """List the rigs that --preset takes; with NAME, the sources of each number."""
     from rigsim.rig.presets import PRESETS, preset
 
+    if as_json:
+        from rigsim.interop.documents.listings import preset_document, presets_document
+
+        print_document(presets_document(PRESETS.values()) if name is None else preset_document(preset(name)))
+        return
     if name is not None:
-        chosen = preset(name)
-        if as_json:
-            typer.echo(json.dumps(_document(chosen), indent=2))
-        else:
-            _show(chosen)
-    elif as_json:
-        typer.echo(json.dumps({"presets": [_document(item) for item in PRESETS.values()]}, indent=2))
+        _show(preset(name))
     else:
         _list(list(PRESETS.values()))
 
@@ -68,6 +67,7 @@ def _list(items: Sequence[Preset]) -> None:
         cameras,
         numeric=(*_RIGHT[:-1], True, True, False),
     )
+    typer.echo("? rests on a user's word alone")
     typer.echo("Sources, and figures that contradict these: rigsim presets NAME")
 
 
@@ -75,7 +75,7 @@ def _cells(item: Preset) -> tuple[str, str, str, str, str]:
     lens = item.rig.left
     return (
         item.name,
-        f"{item.rig.baseline_m * 1e3:g}",
+        f"{item.rig.baseline_m * 1e3:g}" + _doubt(item, "baseline_mm"),
         f"{lens.fx:.4g}",
         f"{lens.width}x{lens.height}",
         f"{lens.hfov_deg:.0f}",
@@ -131,34 +131,15 @@ def _note(figure: Figure) -> str:
 
 def _claims(item: Preset) -> str:
     claims = [figure for figure in item.figures if figure.quantity == "accuracy_pct"]
-    return ", ".join(f"{figure.value:g}%@{(figure.at_mm or 0) / 1e3:g}m" for figure in claims) or "–"
+    said = (f"{figure.value:g}%@{(figure.at_mm or 0) / 1e3:g}m" + "?" * figure.hearsay for figure in claims)
+    return ", ".join(said) or "–"
+
+
+def _doubt(item: Preset, quantity: str) -> str:
+    """A question mark where the figure that counts is hearsay."""
+    used = next((figure for figure in item.figures if figure.quantity == quantity), None)
+    return "?" if used is not None and used.hearsay else ""
 
 
 def _or_dash(value: float | None) -> str:
     return "–" if value is None else f"{value:g}"
-
-
-def _document(item: Preset) -> dict[str, object]:
-    rig = item.rig
-    return {
-        "name": item.name,
-        "about": item.about,
-        "source": item.source,
-        "baseline_mm": round(rig.baseline_m * 1e3, 9),
-        "focal_px": rig.left.fx,
-        "width_px": rig.left.width,
-        "height_px": rig.left.height,
-        "hfov_deg": rig.left.hfov_deg,
-        "min_depth_mm": item.first("min_depth_mm"),
-        "max_disparity_px": item.first("max_disparity_px"),
-        "figures": [
-            {
-                "quantity": figure.quantity,
-                "value": figure.value,
-                "at_mm": figure.at_mm,
-                "note": figure.note,
-                "source": figure.source,
-            }
-            for figure in item.figures
-        ],
-    }

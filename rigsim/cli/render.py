@@ -9,6 +9,8 @@ from typing import Annotated
 
 import typer
 
+from rigsim.cli.answer import print_document, quiet
+from rigsim.cli.options import Json
 from rigsim.cli.rigs import RigOptions
 
 
@@ -31,6 +33,7 @@ def render(
     pixel_pitch: Annotated[str | None, typer.Option(help="Pixel pitch, um, for a focal in mm.")] = None,
     renderer: Annotated[str, typer.Option(help="auto, egl, osmesa or rays.")] = "auto",
     force: Annotated[bool, typer.Option("--force", help="Replace pictures that are there.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Render a stereo pair with exact depth, disparity and segmentation."""
     options = RigOptions(rig, preset, baseline, focal, hfov, sensor_width, pixel_pitch, resolution, vergence)
@@ -44,6 +47,15 @@ def render(
     from rigsim.interop.tables import render_files
     from rigsim.study.snapshot import take_snapshot
 
-    snapshot = take_snapshot(one, scene, mount, renderer, {"command": shlex.join(["rigsim", *sys.argv[1:]])})
-    folder.write_folder(out, {**present.render_files(snapshot), **render_files(snapshot)}, force)
+    with quiet(as_json):
+        command = shlex.join(["rigsim", *sys.argv[1:]])
+        snapshot = take_snapshot(one, scene, mount, renderer, {"command": command})
+        files = {**present.render_files(snapshot), **render_files(snapshot)}
+    folder.write_folder(out, files, force)
+    if as_json:
+        from rigsim.interop.documents.base import Written
+        from rigsim.interop.documents.render import render_document
+
+        print_document(render_document(snapshot, Written(folder=str(out), files=sorted(files))))
+        return
     typer.echo(f"{out}: stereo pair of {snapshot.scene}, {one.left.width}x{one.left.height} px")

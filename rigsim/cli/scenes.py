@@ -6,21 +6,33 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from rigsim.cli.answer import print_document
+from rigsim.cli.options import Json
+
 if TYPE_CHECKING:
     from rigsim.measure.sensor_presets import SensorPreset
 
 
-def scenes() -> None:
+def scenes(as_json: Json = False) -> None:
     """List the bundled scenes, the preset rigs and the sensors."""
     from rigsim.measure.sensor_presets import SENSORS
-    from rigsim.present.console import print_table
     from rigsim.rig.presets import PRESETS
     from rigsim.sim import library
+
+    bundled = [(name, library.about(name)) for name in library.names()]
+    presets = [preset for preset in PRESETS.values() if not preset.figures]
+    if as_json:
+        from rigsim.interop.documents.listings import scenes_document
+
+        print_document(scenes_document(bundled, presets, SENSORS.values()))
+        return
+
+    from rigsim.present.console import print_table
 
     print_table(
         "Scenes (--scene)",
         ("scene", "what it shows"),
-        [(name, library.about(name)) for name in library.names()],
+        bundled,
     )
     rows = [
         (
@@ -31,7 +43,7 @@ def scenes() -> None:
             f"{preset.rig.left.hfov_deg:.1f}",
             preset.about,
         )
-        for preset in PRESETS.values()
+        for preset in presets
     ]
     print_table(
         "Rigs (--preset)",

@@ -8,15 +8,19 @@ import shlex
 import sys
 import time
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from rigsim.cli import quantity
+from rigsim.cli.answer import print_document, quiet
 from rigsim.cli.progress import shown
 from rigsim.cli.rigs import RigOptions
 from rigsim.cli.sensors import Blur, FullWell, ReadNoise, SensorName, sensor_labels, sensor_of, sensors_from
 from rigsim.errors import InvalidRange
+
+if TYPE_CHECKING:
+    from rigsim.study.result import SweepResult
 
 MANY_RIGS = 1000
 """More rigs than this are run only with --yes."""
@@ -84,6 +88,9 @@ def sweep(
         int, typer.Option(help="Samples along each side of a drawn pixel: 1, 2 or 4.")
     ] = 2,
     force: Annotated[bool, typer.Option("--force", help="Replace a report that is there.")] = False,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON document; files are written only with --out.")
+    ] = False,
     yes: Annotated[bool, typer.Option("--yes", help=f"Run more than {MANY_RIGS} rigs.")] = False,
 ) -> None:
     """Sweep rigs through a scene: predicted, simulated and measured depth error side by side, in a report.
@@ -110,8 +117,11 @@ def sweep(
 
     from rigsim.interop import folder
 
-    target = out or Path("reports") / f"{Path(scene).stem}-{time.strftime('%Y%m%d-%H%M%S')}"
-    folder.check_output(target, force)
+    target = out
+    if target is None and not as_json:
+        target = Path("reports") / f"{Path(scene).stem}-{time.strftime('%Y%m%d-%H%M%S')}"
+    if target is not None:
+        folder.check_output(target, force)
 
     from rigsim.rig.noise import PixelNoise
     from rigsim.study.plan import Plan
@@ -144,16 +154,30 @@ def sweep(
         sensors=dict(zip(sensor_labels(sensors, sensor), sensors, strict=True)),
         extra={"command": shlex.join(["rigsim", *sys.argv[1:]])},
     )
-    with shown(len(grid), "rigs") as progress:
+    with quiet(as_json), shown(len(grid), "rigs") as progress:
         result = run(grid, plan, jobs=jobs, progress=progress)
-
-    from rigsim import present
-    from rigsim.interop.tables import sweep_files
-
-    folder.write_folder(target, {**present.sweep_files(result), **sweep_files(result)}, force)
-    present.print_sweep(result, target)
+    _deliver(result, target, force, as_json)
     if not result.complete:
         raise typer.Exit(INTERRUPTED)
+
+
+def _deliver(result: SweepResult, target: Path | None, force: bool, as_json: bool) -> None:
+    from rigsim import present
+    from rigsim.interop import folder
+    from rigsim.interop.tables import sweep_files
+
+    files: dict[str, bytes] = {}
+    if target is not None:
+        files = {**present.sweep_files(result), **sweep_files(result)}
+        folder.write_folder(target, files, force)
+    if not as_json:
+        present.print_sweep(result, target)
+        return
+    from rigsim.interop.documents.base import Written
+    from rigsim.interop.documents.sweep import sweep_document
+
+    written = None if target is None else Written(folder=str(target), files=sorted(files))
+    print_document(sweep_document(result, written))
 
 
 def _methods(text: str) -> tuple[str, ...]:

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from rigsim.cli import quantity
+from rigsim.cli.answer import print_document
 from rigsim.cli.options import Json, takes_rig
 from rigsim.cli.rigs import DEFAULT_PRESET, RigOptions
 from rigsim.errors import InvalidRange
@@ -39,7 +39,9 @@ _KINDS: dict[str, tuple[str, quantity.Kind]] = {
     "axial": ("axial_mm", _kind("axial", "mm", _LENGTHS)),
     "vertical": ("vertical_mm", _kind("vertical", "mm", _LENGTHS)),
     "focal": ("right_focal_px", _kind("focal", "px", _PIXELS)),
+    "focal-both": ("both_focal_px", _kind("focal-both", "px", _PIXELS)),
     "principal": ("right_cx_px", _kind("principal", "px", _PIXELS)),
+    "principal-v": ("right_cy_px", _kind("principal-v", "px", _PIXELS)),
     "k1-right": ("right_k1", _kind("k1-right", "", _PLAIN)),
     "k1-both": ("both_k1", _kind("k1-both", "", _PLAIN)),
     "time": ("time_offset_ms", _kind("time", "ms", _TIMES)),
@@ -75,11 +77,12 @@ def tolerance(
         typer.Option(
             metavar="NAME=VALUE",
             help="One tolerance, in place of the class's: yaw, pitch, roll (deg), baseline, axial, vertical"
-            " (mm), focal, principal (px), k1-right, k1-both, time (ms), temperature (K). Repeatable.",
+            " (mm), focal, focal-both, principal, principal-v (px), k1-right, k1-both, time (ms),"
+            " temperature (K). One standard deviation, or a bound as +-VALUE. Repeatable.",
         ),
     ] = None,
     distribution: Annotated[
-        str, typer.Option(help="normal: tolerances are standard deviations; uniform: bounds, +-.")
+        str, typer.Option(help="uniform makes a bound, +-, of every tolerance, evenly filled.")
     ] = "normal",
     speed: Annotated[str, typer.Option(metavar="M/S", help="Object's speed, for a time offset.")] = "1",
     expansion: Annotated[
@@ -88,16 +91,28 @@ def tolerance(
     recalibrate: Annotated[
         bool, typer.Option(help="Recalibrate each rig on epipolar errors and one known length as well.")
     ] = True,
+    features: Annotated[
+        int,
+        typer.Option(
+            "--recalibration-features", metavar="N", help="Features that a recalibration sees in a picture."
+        ),
+    ] = 60,
+    pictures: Annotated[
+        int,
+        typer.Option("--recalibration-pictures", metavar="N", help="Pictures it averages each of them over."),
+    ] = 10,
     noise: Annotated[
         str, typer.Option(metavar="PX", help="Noise per pixel coordinate of one calibration picture.")
     ] = "0.25",
     length_std: Annotated[
         str, typer.Option(metavar="LENGTH", help="Standard deviation of the known length.")
-    ] = "0.1mm",
+    ] = "0.5mm",
     rigs: Annotated[int, typer.Option(metavar="N", help="Rigs to build.")] = 10_000,
     points: Annotated[int, typer.Option(metavar="N", help="Points each is judged by.")] = 500,
     seed: Annotated[int, typer.Option(min=0, help="Of the random numbers.")] = 0,
-    out: Annotated[Path | None, typer.Option(help="Folder for tolerance.csv, .json and .png.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for tolerance.csv, .json, .png and places.png.")
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
     as_json: Json = False,
 ) -> None:
@@ -122,14 +137,17 @@ def tolerance(
     given = with_values(
         base,
         {
-            **_values(tolerance or []),
+            **_values(tolerance or [], base.bounds),
             "distribution": distribution,
             "speed_m_s": quantity.value(speed, _SPEED),
             "expansion_per_k": quantity.value(expansion, _EXPANSION) * 1e-6,
         },
     )
     compensator = Recalibration(
-        noise_px=quantity.value(noise, quantity.NOISE), length_std_mm=quantity.value(length_std, _LENGTH)
+        features,
+        pictures,
+        quantity.value(noise, quantity.NOISE),
+        quantity.value(length_std, _LENGTH),
     )
     result = run_tolerance(
         rig,
@@ -148,23 +166,27 @@ def tolerance(
     if out is not None:
         from rigsim.interop.tables import csv_bytes, json_bytes
         from rigsim.present.tolerance import tolerance_png
+        from rigsim.present.tolerance_places import places_png
 
         files = {
             "tolerance.csv": csv_bytes(tolerance_table(result)),
             "tolerance.json": json_bytes(document),
             "tolerance.png": tolerance_png(result),
+            "places.png": places_png(result),
         }
         folder.write_folder(out, files, force)
     if as_json:
-        typer.echo(json.dumps(document, indent=2, ensure_ascii=False))
+        print_document(document)
     else:
         from rigsim.present.tolerance import print_tolerance
 
         print_tolerance(result, out)
 
 
-def _values(words: list[str]) -> dict[str, float]:
-    found: dict[str, float] = {}
+def _values(words: list[str], base: frozenset[str]) -> dict[str, Any]:
+    """The tolerances given, and which of all are bounds; `base` names the class's."""
+    found: dict[str, Any] = {}
+    bounds: set[str] = set()
     for word in words:
         name, equals, text = word.partition("=")
         if name.strip() not in _KINDS:
@@ -174,8 +196,11 @@ def _values(words: list[str]) -> dict[str, float]:
         key, kind = _KINDS[name.strip()]
         if key in found:
             raise InvalidRange(f"tolerance {name.strip()}: given twice; remove one")
-        found[key] = quantity.value(text, kind)
-    return found
+        plain = text.strip().removeprefix("±").removeprefix("+-")
+        if plain != text.strip():
+            bounds.add(key)
+        found[key] = quantity.value(plain, kind)
+    return {**found, "bounds": (base - set(found)) | bounds}
 
 
 def _range(text: str) -> tuple[float, float]:

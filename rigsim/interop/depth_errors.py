@@ -91,7 +91,9 @@ def inference_document(inference: Inference, carried: Transfer | None = None) ->
         if bias is None
         else {
             "disparity_offset_px": bias.disparity_offset_px,
+            "disparity_offset_se_px": _finite(bias.disparity_offset_se_px),
             "scale_pct": _finite(100 * bias.scale),
+            "scale_se_pct": _finite(100 * bias.scale_se),
             "left_rms_mm": bias.left_rms_m * 1e3,
             "share_of_mean_square_pct": 100 * bias.share,
         },

@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from rigsim.errors import InvalidRange, OutputError
+from rigsim.interop.documents.text import clean
 from rigsim.interop.middlebury import read_disparity
 from rigsim.interop.ply import ply_bytes
 from rigsim.interop.rig_toml import write_rig
@@ -219,7 +220,7 @@ def _rig(rig: StereoRig) -> dict[str, object]:
         "width_px": rig.left.width,
         "height_px": rig.left.height,
         "focal_px": rig.left.fx,
-        "baseline_mm": 1e3 * rig.baseline_m,
+        "baseline_mm": clean(1e3 * rig.baseline_m),
         "doffs_px": rig.doffs_px,
         "rectified": rig.is_rectified,
     }

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import io
-import json
 from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from rigsim.interop.documents.text import json_text
 from rigsim.interop.rig_toml import write_rig
 from rigsim.study.result import SweepResult
 from rigsim.study.snapshot import Snapshot
@@ -23,8 +23,8 @@ def csv_bytes(table: pd.DataFrame) -> bytes:
 
 
 def json_bytes(document: Mapping[str, object]) -> bytes:
-    """A document as indented JSON."""
-    return (json.dumps(document, indent=2, ensure_ascii=False) + "\n").encode()
+    """A document as indented JSON, null for NaN."""
+    return (json_text(document) + "\n").encode()
 
 
 def npy_bytes(values: npt.NDArray[np.generic]) -> bytes:

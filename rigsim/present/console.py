@@ -75,7 +75,8 @@ def print_table(
         wrapped = list(row)
         more: list[str] = []
         if loose is not None:
-            parts = textwrap.wrap(row[loose], widths[loose], break_long_words=False, break_on_hyphens=False)
+            width = max(widths[loose], 1)  # a column may be empty, head and all
+            parts = textwrap.wrap(row[loose], width, break_long_words=False, break_on_hyphens=False)
             wrapped[loose], more = (parts[0], parts[1:]) if parts else ("", [])
         say(console, _line(wrapped, widths, numeric))
         for part in more:

@@ -5,32 +5,41 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
+from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
+from rigsim.measure.sensor_presets import sensor_preset
 from rigsim.present import style
 from rigsim.present.design_console import (
     CANDIDATE_HEADS,
-    achieved_value,
     candidate_row,
     headline,
     requirement_rows,
     sentences,
+    shown_by_words,
 )
 from rigsim.present.design_figures import pareto_figure, plan_figure, region_figure
-from rigsim.present.report import _data_uri
+from rigsim.present.format import MISSING, count, percent
+from rigsim.present.tolerance import quantity_heads, quantity_rows, tolerance_figure
+from rigsim.rig.arrays import Image
 from rigsim.study import design_words as words
 from rigsim.study.design import Candidate, Design
 from rigsim.study.design_document import recommended
 from rigsim.study.design_proof import Proof
+from rigsim.study.design_tolerance import DesignTolerance
+from rigsim.study.tolerance import CLASSES
 from rigsim.theory.inverse import Camera
 from rigsim.theory.limits import blind_zone_m
 
 _MOST_ROWS = 15
+_PITCHES_UM = (2.2, 3.45, 4.8)  # common ones, to give an idea of the lens
 
 
-def design_html(design: Design, proofs: Sequence[Proof], command: str) -> str:
+def design_html(
+    design: Design, proofs: Sequence[Proof], tolerance: DesignTolerance | None, command: str
+) -> str:
     """The report of a design as one page, without scripts, links or network."""
     environment = Environment(
         loader=PackageLoader("rigsim.present"),
@@ -41,26 +50,69 @@ def design_html(design: Design, proofs: Sequence[Proof], command: str) -> str:
     )
     environment.filters["prose"] = _prose
     pick = recommended(design, proofs)
-    spec = design.specification
-    proof = next((p for p in proofs if p.candidate == pick and p.result is not None), None)
-    show = proof.result.showcase if proof is not None and proof.result is not None else None
-    met = [asked.is_met(achieved_value(asked, pick, spec)) for asked in spec.requirements]
+    proof = next((p for p in proofs if p.candidate == pick), None)
+    show = proof.show if proof is not None else None
     return environment.get_template("design.html").render(
         verified=any(p.verified for p in proofs),
         proved=bool(proofs),
         headline=headline(design, proofs),
         sentences=sentences(design, proofs),
-        requirements=list(zip(requirement_rows(design, proofs), met, strict=True)),
+        requirements=requirement_rows(design, proofs),
+        shown_by=shown_by_words(design, proofs),
         region=Markup(style.to_svg(region_figure(design, pick), "region", "Feasible region")),
         pareto=Markup(style.to_svg(pareto_figure(design, pick), "pareto", "Pareto front")),
         plan=Markup(style.to_svg(plan_figure(design, pick, proofs), "plan", "The rig from above")),
         heads=[head.replace("\n", " ") for head in CANDIDATE_HEADS],
         front=[candidate_row(candidate) for candidate in _one_a_camera(design)],
         sheet=data_sheet(design, pick),
-        left=_data_uri(show.image_left) if show else "",
-        right=_data_uri(show.image_right) if show else "",
+        left="" if show is None else _picture(show.image_left),
+        right="" if show is None else _picture(show.image_right),
+        sensor="" if proof is None else proof.sensor,
+        tolerance=None if tolerance is None else _tolerance_part(tolerance),
         command=command,
     )
+
+
+def _picture(image: Image) -> str:
+    from rigsim.present.report import _data_uri  # and with it pandas, which formulas alone do without
+
+    return _data_uri(image)
+
+
+def _tolerance_part(tolerance: DesignTolerance) -> dict[str, Any]:
+    """What the page says of tolerances."""
+    result = tolerance.result
+    required_m = result.required.error_m
+    left_m2 = required_m**2 - tolerance.noise_error_m**2
+    at = words.distance(result.required.depth_m)
+    noise = f"Pixel noise alone errs {words.size(tolerance.noise_error_m)} at {at}; "
+    if left_m2 > 0:
+        noise += (
+            f"the two add as squares, so a rig that errs {words.size(math.sqrt(left_m2))} by its build keeps "
+            f"{words.size(required_m)} in all."
+        )
+    else:
+        noise += "the two add as squares, so nothing is left for the build."
+    return {
+        "says": tolerance.says,
+        "noise": noise,
+        "class_name": tolerance.class_name,
+        "about": CLASSES[tolerance.class_name].about,
+        "required": f"{words.size(required_m)} at {at}",
+        "heads": [head.replace("\n", " ") for head in quantity_heads(result)],
+        "rows": quantity_rows(result),
+        "yields": [
+            (
+                item.name,
+                CLASSES[item.name].about,
+                percent(item.as_built),
+                MISSING if item.recalibrated is None else percent(item.recalibrated),
+            )
+            for item in tolerance.yields
+        ],
+        "n_rigs": count(result.n_rigs),
+        "figure": Markup(style.to_svg(tolerance_figure(result), "tolerance", "Tolerances of the rig")),
+    }
 
 
 def data_sheet(design: Design, pick: Candidate) -> list[tuple[str, str]]:
@@ -68,32 +120,60 @@ def data_sheet(design: Design, pick: Candidate) -> list[tuple[str, str]]:
     camera, spec = pick.camera, design.specification
     f_b = camera.focal_px * pick.baseline_m
     lens = pick.rig.left
+    low, high = (words.size(end.baseline_m, 4) for end in (pick.interval.lower, pick.interval.upper))
     return [
-        *([("Camera and lens", camera.name)] if camera.name else []),
-        ("Baseline", words.size(pick.baseline_m, 5)),
-        (
-            "Baselines allowed",
-            " to ".join(words.size(end.baseline_m, 4) for end in (pick.interval.lower, pick.interval.upper)),
-        ),
+        ("Cameras", "two of the same, with two of the same lens"),
+        *_to_buy(camera),
         ("Image", f"{camera.width_px} × {camera.height_px} px, {camera.pixels / 1e6:.2f} MP"),
-        ("Focal length", f"{camera.focal_px:.5g} px (focal length in mm over pixel pitch in mm)"),
-        ("Field of view", f"{lens.hfov_deg:.1f}° × {lens.vfov_deg:.1f}°"),
-        ("Axes", "parallel; same rows in both images"),
+        ("Focal length", f"{camera.focal_px:.5g} px{_in_mm(camera)}"),
+        ("Field of view", f"{lens.hfov_deg:.1f}° × {lens.vfov_deg:.1f}°, horizontal × vertical"),
+        ("Lens distortion", "any that a calibration describes; focus and aperture locked"),
+        ("Exposure", "both cameras triggered together"),
+        ("Baseline", f"{words.size(pick.baseline_m, 5)} between the lenses' optical centres"),
+        ("Baselines allowed", f"{low} to {high}"),
+        ("Mounting", "axes parallel, at the same height; tolerances below"),
         ("Working range", f"{words.distance(spec.near_m)} to {words.distance(spec.far_m)}"),
-        ("Disparities", f"{f_b / spec.far_m:.4g} px (far) to {f_b / spec.near_m:.4g} px (near)"),
-        ("Seen by both from", words.size(blind_zone_m(pick.rig))),
+        ("Disparity search", f"{f_b / spec.far_m:.4g} px (far) to {f_b / spec.near_m:.4g} px (near)"),
+        ("Seen by both from", f"{words.size(blind_zone_m(pick.rig))} on"),
         *(
             (
                 f"Depth error at {words.distance(z)}",
-                f"{words.size(z**2 * spec.disparity_std_px / f_b)} (1 standard deviation)",
+                f"{words.size(z**2 * spec.disparity_std_px / f_b)}, one standard deviation, from pixel noise",
             )
             for z in (spec.near_m, math.sqrt(spec.near_m * spec.far_m), spec.far_m)
         ),
         (
-            "Pixel noise assumed",
-            f"{spec.noise_px:g} px per coordinate, {spec.disparity_std_px:.3g} px of disparity",
+            "Pixel noise",
+            f"{spec.noise_px:.3g} px per coordinate, {spec.disparity_std_px:.3g} px of disparity: "
+            f"{spec.noise_says}",
         ),
     ]
+
+
+def _to_buy(camera: Camera) -> list[tuple[str, str]]:
+    """Sensor and lens, as far as they are named."""
+    if not camera.sensor or camera.pitch_um is None:
+        return [("Sensor", "any with this many pixels; global shutter when the rig or the scene moves")]
+    width, height = (side * camera.pitch_um / 1e3 for side in (camera.width_px, camera.height_px))
+    maker = sensor_preset(camera.sensor).maker
+    return [
+        (
+            "Sensor",
+            f"{maker} {camera.sensor.upper()}, {width:.2f} × {height:.2f} mm "
+            f"({math.hypot(width, height):.1f} mm diagonal), {camera.pitch_um:g} µm pixels",
+        ),
+        (
+            "Lens",
+            f"{camera.focal_mm:.3g} mm, image circle at least {math.hypot(width, height):.1f} mm",
+        ),
+    ]
+
+
+def _in_mm(camera: Camera) -> str:
+    if camera.focal_mm is not None:
+        return f" = {camera.focal_mm:.3g} mm behind {camera.pitch_um:g} µm pixels"
+    said = ", ".join(f"{camera.focal_px * pitch / 1e3:.2f} mm behind {pitch:g} µm" for pitch in _PITCHES_UM)
+    return f": pixel pitch times this, as {said}"
 
 
 def _one_a_camera(design: Design) -> list[Candidate]:

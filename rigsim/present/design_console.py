@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rigsim.present.console import make_console, print_table
-from rigsim.present.format import number
+from rigsim.present.format import MISSING, number, percent
 from rigsim.study import design_words as words
 from rigsim.study.design import Candidate, Design, Specification
-from rigsim.study.design_document import recommended
+from rigsim.study.design_document import held_to, recommended
 from rigsim.study.design_proof import Proof
+from rigsim.study.design_tolerance import DesignTolerance
 from rigsim.theory.inverse import Requirement
 
 if TYPE_CHECKING:
@@ -45,6 +46,14 @@ def sentences(design: Design, proofs: Sequence[Proof]) -> tuple[str, ...]:
         said.append(
             f"{proof.why[:1].upper()}{proof.why[1:]}." if proof.candidate == pick else f"{rig}: {proof.why}."
         )
+    spec = design.specification
+    own = next((p for p in proofs if p.candidate == pick), None)
+    if own is not None and own.method == "corners" and spec.noise_source != "measured":
+        said.append(
+            "What is measured are corners of calibration boards, the most exact points there are: surfaces "
+            "come nearer to the noise simulated."
+        )
+    said.append(f"Pixel noise {spec.noise_px:.3g} px per coordinate: {spec.noise_says}.")
     n = len(design.feasible)
     said.append(
         f"{n} of {len(design.intervals)} cameras can do it; preferred: {design.preference}, with room."
@@ -52,31 +61,75 @@ def sentences(design: Design, proofs: Sequence[Proof]) -> tuple[str, ...]:
     return tuple(said)
 
 
-def requirement_rows(design: Design, proofs: Sequence[Proof]) -> list[tuple[str, str, str, str]]:
-    """Requirement, limit, what the formulas give, what was simulated."""
+def requirement_rows(design: Design, proofs: Sequence[Proof]) -> list[tuple[str, ...]]:
+    """Requirement, limit, by the formulas, simulated, measured in the pictures, and whether it is met."""
     pick = recommended(design, proofs)
     spec = design.specification
-    simulated = {
-        held.requirement: words.size(held.simulated_m)
-        for proof in proofs
-        if proof.candidate == pick
-        for held in proof.checks
-        if math.isfinite(held.simulated_m)
-    }
-    return [
-        (
-            words.name(asked),
-            f"{'>=' if asked.at_least else '<='} {words.value(asked, asked.limit)}",
-            words.value(asked, achieved_value(asked, pick, spec), 3),
-            simulated.get(asked, "–"),
+    rows: list[tuple[str, ...]] = []
+    for asked in spec.requirements:
+        held = held_to(asked, pick, proofs)
+        formula = achieved_value(asked, pick, spec)
+        met = asked.is_met(formula) and (held is None or held.is_met)
+        missed = held is not None and held.is_missed_by_pixels
+        rows.append(
+            (
+                words.name(asked),
+                f"{'>=' if asked.at_least else '<='} {words.value(asked, asked.limit)}",
+                words.value(asked, formula, 3),
+                _said(asked, math.nan if held is None else held.simulated),
+                _said(asked, math.nan if held is None else held.measured),
+                "not met" if not met else "measured: not met" if missed else "met",
+            )
         )
-        for asked in spec.requirements
-    ]
+    return rows
+
+
+REQUIREMENT_HEADS = ("requirement", "asked for", "formula", "simulated", "measured", "")
+"""Heads of `requirement_rows`."""
+
+
+def shown_by_words(design: Design, proofs: Sequence[Proof]) -> str:
+    """How the simulated values were found, in a sentence; empty without a proof."""
+    pick = recommended(design, proofs)
+    checks = [held for asked in design.specification.requirements if (held := held_to(asked, pick, proofs))]
+    if not checks:
+        return ""
+    found = {
+        shown_by: ", ".join(
+            dict.fromkeys(words.name(c.requirement) for c in checks if c.shown_by == shown_by)
+        )
+        for shown_by in _SHOWN_BY
+    }
+    said = [f"{names} {_SHOWN_BY[shown_by]}" for shown_by, names in found.items() if names]
+    return f"Simulated: {'; '.join(said)}."
+
+
+_SHOWN_BY = {
+    "points": "from points of the scene near that distance",
+    "plane": "from a plane at that distance, which the scene has not",
+    "rays": "from the rays at the pictures' borders",
+    "pictures": "from the pictures drawn",
+    "cameras": "from the cameras as placed",
+}
+
+
+def _said(asked: Requirement, value: float) -> str:
+    return words.value(asked, value, 3) if math.isfinite(value) else MISSING
 
 
 def achieved_value(asked: Requirement, pick: Candidate, spec: Specification) -> float:
     """What `pick` has of `asked`, in the unit of its limit."""
     return asked.achieved(pick.camera, pick.baseline_m, spec.disparity_std_px)
+
+
+def yields_words(tolerance: DesignTolerance) -> str:
+    """How many rigs of each class are good, in a sentence."""
+    said = (
+        f"{item.name} {percent(item.as_built)} / "
+        + (MISSING if item.recalibrated is None else percent(item.recalibrated))
+        for item in tolerance.yields
+    )
+    return f"Good rigs, % as built / recalibrated: {', '.join(said)}."
 
 
 def candidate_row(candidate: Candidate) -> tuple[str, ...]:
@@ -105,7 +158,12 @@ CANDIDATE_HEADS = (
 
 
 def print_design(
-    design: Design, proofs: Sequence[Proof], folder: Path | None = None, *, console: Console | None = None
+    design: Design,
+    proofs: Sequence[Proof],
+    tolerance: DesignTolerance | None = None,
+    folder: Path | None = None,
+    *,
+    console: Console | None = None,
 ) -> None:
     """Print the rig, what was asked for and achieved, the Pareto front, and where the report is."""
     console = console or make_console()
@@ -117,11 +175,15 @@ def print_design(
     console.print()
     print_table(
         "Asked for and achieved",
-        ("requirement", "asked for", "formula", "simulated"),
+        REQUIREMENT_HEADS,
         requirement_rows(design, proofs),
-        numeric=(False, True, True, True),
+        numeric=(False, True, True, True, True, False),
         console=console,
     )
+    if tolerance is not None:
+        console.print(tolerance.says, soft_wrap=True)
+        console.print(yields_words(tolerance), soft_wrap=True)
+        console.print()
     front = design.pareto[:_MOST]
     more = f", {_MOST} of {len(design.pareto)}" if len(design.pareto) > _MOST else ""
     print_table(

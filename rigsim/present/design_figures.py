@@ -11,21 +11,22 @@ from matplotlib.artist import Artist
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
 from rigsim.present import style
 from rigsim.present.format import plain
+from rigsim.present.line_labels import Named, label_lines
 from rigsim.present.topdown import topdown_figure
 from rigsim.rig.arrays import Array
 from rigsim.rig.noise import PixelNoise
 from rigsim.study import design_words as words
 from rigsim.study.design import Candidate, Design
 from rigsim.study.design_proof import Proof
-from rigsim.theory.inverse import GATES, LOWER, Camera, baseline_interval
+from rigsim.theory.inverse import Camera, baseline_interval
 
 _LEFT, _BOTTOM, _WIDTH, _HEIGHT = 0.75, 0.6, 4.2, 3.5
 _DASHES: tuple[Literal["-", "--", "-.", ":"], ...] = ("-", "--", "-.", ":")
+_REGION_WIDTH, _REGION_HEIGHT = 5.4, 4.4
 _SPAN = 2.0  # the region is drawn for focal lengths within this factor of the pick's
 
 
@@ -45,12 +46,9 @@ def region_figure(design: Design, pick: Candidate) -> Figure:
             for i in intervals
         ]
     ).T
-    height = max(
-        _HEIGHT, 2.15 + 0.33 * len(spec.requirements)
-    )  # colour bar and legend stand above each other
     with style.styled():
-        figure = style.new_figure(style.PAGE_WIDTH_IN, _BOTTOM + height + 0.35)
-        axes = style.place(figure, _LEFT, _BOTTOM, _WIDTH, height)
+        figure = style.new_figure(style.PAGE_WIDTH_IN, _BOTTOM + _REGION_HEIGHT + 0.35)
+        axes = style.place(figure, _LEFT, _BOTTOM, _REGION_WIDTH, _REGION_HEIGHT)
         axes.grid(False)
         axes.set_title(f"Feasible rigs with {chip.width_px}x{chip.height_px} px", pad=8)
         shown = np.ma.masked_where(~allowed, error)
@@ -58,7 +56,7 @@ def region_figure(design: Design, pick: Candidate) -> Figure:
         mesh = axes.pcolormesh(
             f, B, shown, cmap=style.heat_map(), norm=norm, shading="nearest", rasterized=True
         )
-        bar_axes = style.place(figure, _LEFT + _WIDTH + 0.12, _BOTTOM, 0.13, 1.5)
+        bar_axes = style.place(figure, _LEFT + _REGION_WIDTH + 0.12, _BOTTOM, 0.13, 1.8)
         bar = figure.colorbar(mesh, cax=bar_axes)
         bar.set_label("depth error at\nthe far end, mm")
         bar_axes.grid(False)
@@ -69,30 +67,45 @@ def region_figure(design: Design, pick: Candidate) -> Figure:
         bar_axes.yaxis.set_major_locator(FixedLocator([t for t in ticks if ends[0] <= t <= ends[1]]))
         bar_axes.yaxis.set_minor_locator(NullLocator())
         bar_axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: plain(value, 4)))
-        entries: list[tuple[Artist, str]] = []
+        lines: list[Named] = []
         for place, asked in enumerate(spec.requirements):
             color, dash = style.LINES[place % len(style.LINES)], _DASHES[place % len(_DASHES)]
             if asked.kind == "pixels":
                 continue
+            name = words.whole(asked).replace("<=", "≤").replace(">=", "≥")
             if asked.kind == "fov":
                 widest = chip.width_px / 2 / math.tan(asked.limit / 2)
-                axes.axvline(widest, color=color, linestyle=dash)
+                line = Named(np.full(2, widest), np.array([low_mm, high_mm]), name, color)
+                out = not f[0] <= widest <= f[-1]
             else:
-                line = [asked.baseline_m(camera, spec.disparity_std_px) * 1e3 for camera in cameras]
-                if max(line) < low_mm or min(line) > high_mm:
-                    continue  # nowhere near
-                axes.plot(f, line, color=color, linestyle=dash)
-            side = "left of it" if asked.kind in GATES else "above it" if asked.kind in LOWER else "below it"
-            label = words.whole(asked).replace("<=", "≤").replace(">=", "≥")
-            entries.append((Line2D([], [], color=color, linestyle=dash), _two_lines(label, side)))
-        axes.plot(chip.focal_px, pick.baseline_m * 1e3, **_STAR)
-        entries.append((Line2D([], [], linestyle="", **_STAR), "recommended"))
-        entries.append((Patch(facecolor="white", edgecolor=style.GREY), "white: not feasible"))
+                limit_mm = np.array(
+                    [asked.baseline_m(camera, spec.disparity_std_px) * 1e3 for camera in cameras]
+                )
+                there = limit_mm > 0  # coverage ends where one camera alone sees too little
+                line = Named(f[there], limit_mm[there], name, color)
+                out = not there.any() or line.y.max() < low_mm or line.y.min() > high_mm
+            if not out:
+                axes.plot(line.x, line.y, color=color, linestyle=dash)
+                lines.append(line)
+        star = (chip.focal_px, pick.baseline_m * 1e3)
+        axes.plot(*star, **_STAR)
+        axes.annotate(
+            "recommended",
+            star,
+            (9, -3),
+            textcoords="offset points",
+            ha="left",
+            va="top",
+            path_effects=style.HALO,
+            zorder=8,
+        )
         style.plain_axis(axes, "x", float(f[0]), float(f[-1]), "log")
         style.plain_axis(axes, "y", low_mm, high_mm, "log", 8)
         axes.set_xlabel("focal length, px", labelpad=2)
         axes.set_ylabel("baseline, mm")
-        style.legend(figure, entries, _LEFT + _WIDTH + 0.12, _BOTTOM + height)
+        beside = float(star[0] * (f[-1] / f[0]) ** 0.08), float(star[1] * (high_mm / low_mm) ** -0.03)
+        shaded = np.column_stack([part[allowed][::7] for part in np.meshgrid(f, B)])
+        label_lines(axes, lines, (star, beside), shaded)
     return figure
 
 
@@ -156,9 +169,8 @@ def pareto_figure(design: Design, pick: Candidate) -> Figure:
 def plan_figure(design: Design, pick: Candidate, proofs: Sequence[Proof]) -> Figure:
     """The pick from above, with the points of its proof, the working range, and the coverage asked for."""
     spec = design.specification
-    proof = next((p for p in proofs if p.candidate == pick and p.result is not None), None)
-    if proof is not None and proof.result is not None:
-        show = proof.result.showcase
+    show = next((p.show for p in proofs if p.candidate == pick), None)
+    if show is not None:
         # one point more, at the far end: the scene may end before it
         end = np.array([[pick.baseline_m / 2, 0.0, spec.far_m]])
         figure = topdown_figure(
@@ -215,9 +227,3 @@ _STAR: dict[str, Any] = {
 def _ends(values: np.typing.NDArray[np.float64]) -> tuple[float, float]:
     low, high = float(values.min()), float(values.max())
     return (low, high) if high > 1.001 * low else (0.9 * low, 1.1 * high)
-
-
-def _two_lines(label: str, side: str) -> str:
-    """A legend entry that fits beside the plot."""
-    name, sign, limit = label.partition(" ≤ " if " ≤ " in label else " ≥ ")
-    return f"{name}\n{sign.strip()} {limit}: {side}"

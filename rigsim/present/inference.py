@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import textwrap
+from pathlib import Path
 
 from rigsim.present.console import make_console, print_table
 from rigsim.present.format import length, number
@@ -11,9 +12,10 @@ from rigsim.study.infer import Inference, Transfer
 from rigsim.study.infer_words import sentence
 
 
-def print_inference(inference: Inference, carried: Transfer | None = None) -> None:
+def print_inference(
+    inference: Inference, carried: Transfer | None = None, folder: Path | None = None
+) -> None:
     """Print what was inferred, and what it does to another rig, on standard output."""
-
     print(textwrap.fill(sentence(inference), make_console().width) + "\n")
     sigma, low, high = inference.disparity_std_px, inference.low_px, inference.high_px
     why = {
@@ -36,13 +38,19 @@ def print_inference(inference: Inference, carried: Transfer | None = None) -> No
                 "disparity offset",
                 number(bias.disparity_offset_px),
                 "px",
-                "",
+                _standard_error(bias.disparity_offset_se_px),
                 "bias part: yaw, principal point",
             )
         )
         if not math.isnan(bias.scale):
             rows.append(
-                ("scale error", number(100 * bias.scale), "%", "", "bias part: baseline, focal length")
+                (
+                    "scale error",
+                    number(100 * bias.scale),
+                    "%",
+                    _standard_error(100 * bias.scale_se),
+                    "bias part: baseline, focal length",
+                )
             )
         rows.append(("bias left over", number(bias.left_rms_m * 1e3), "mm", "", "RMS that neither explains"))
         rows.append(("bias share", number(100 * bias.share), "%", "", "of the mean squared error"))
@@ -81,3 +89,9 @@ def print_inference(inference: Inference, carried: Transfer | None = None) -> No
             ],
             numeric=(True, True, True, True, False),
         )
+    if folder is not None:
+        make_console().print(f"Files: {folder}", soft_wrap=True)
+
+
+def _standard_error(value: float) -> str:
+    return "" if math.isnan(value) else f"std error {number(value, 2)}"

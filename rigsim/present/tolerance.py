@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,44 +13,29 @@ from rigsim.present.console import make_console, print_table
 from rigsim.present.format import MISSING, number, percent, plain
 from rigsim.study.tolerance import QUANTITIES, UNITS
 from rigsim.study.tolerance_document import percentile_mm
+from rigsim.study.tolerance_words import interactions_sentence, recalibration_sentence
 from rigsim.study.tolerance_yield import ToleranceResult
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _HEIGHT_IN = 3.6
 
 
 def print_tolerance(result: ToleranceResult, folder: Path | None = None) -> None:
     """Print the ranked table, the built rigs at each depth, and how many meet the requirement."""
-    judged = f"{plain(result.required.depth_m)} m"
-    form = "±" if result.tolerances.distribution == "uniform" else "std"
     print_table(
         f"Each quantity alone: depth error, mm, first order; what it takes for"
-        f" {plain(result.required.error_m * 1e3)} mm at {judged}",
-        (
-            "quantity",
-            form,
-            *(f"at\n{plain(item.depth_m)} m" for item in result.depths),
-            f"common\nat {judged}",
-            "differs\nby place",
-            "share\n%",
-            "needed\nalone",
-            "equal\nshares",
-            "unit",
-        ),
-        [
-            (
-                QUANTITIES[item.key],
-                number(item.tolerance),
-                *(number(value) for value in item.depth_rms_mm),
-                number(item.common_mm),
-                number(item.differing_mm),
-                percent(item.share) if item.share > 1e-12 else "0",
-                "any" if math.isinf(item.needed_alone) else number(item.needed_alone),
-                "any" if math.isinf(item.needed_equal_share) else number(item.needed_equal_share),
-                UNITS[item.key],
-            )
-            for item in result.sensitivities
-        ],
-        numeric=(False, *[True] * (7 + len(result.depths) - 1), False),
+        f" {plain(result.required.error_m * 1e3)} mm at {plain(result.required.depth_m)} m",
+        quantity_heads(result),
+        quantity_rows(result),
+        numeric=quantity_numeric(result),
+    )
+    print_table(
+        f"Shares of the variance at {plain(result.required.depth_m)} m, %, and where tolerances come from",
+        variance_heads(),
+        variance_rows(result),
+        numeric=(False, True, True, True, True, False),
     )
     print_table(
         f"{result.n_rigs} rigs built within tolerance: depth error over the image, mm",
@@ -85,25 +71,107 @@ def print_tolerance(result: ToleranceResult, folder: Path | None = None) -> None
     says = f"{percent(result.yield_before)} % of the rigs meet the requirement as built"
     if result.yield_after is not None:
         says += f", {percent(result.yield_after)} % after recalibration"
-    console.print(says + ".")
+    for sentence in (says + ".", interactions_sentence(result), recalibration_sentence(result)):
+        if sentence:
+            console.print(textwrap.fill(sentence, console.width), soft_wrap=True)
     if folder is not None:
         console.print(f"Files: {folder}", soft_wrap=True)
 
 
+def quantity_heads(result: ToleranceResult) -> tuple[str, ...]:
+    """Heads of the ranked table; a newline starts a second line."""
+    judged = f"{plain(result.required.depth_m)} m"
+    return (
+        "quantity",
+        "std or ±",
+        *(f"at\n{plain(item.depth_m)} m" for item in result.depths),
+        f"common\nat {judged}",
+        "differs\nby place",
+        "share\n%",
+        "needed\nalone",
+        "equal\nshares",
+        "unit",
+    )
+
+
+def quantity_rows(result: ToleranceResult) -> list[tuple[str, ...]]:
+    """Rows of the ranked table, the worst quantity first; depth errors in mm."""
+    return [
+        (
+            QUANTITIES[item.key],
+            _tolerance(result, item.key, item.tolerance),
+            *(number(value) for value in item.depth_rms_mm),
+            number(item.common_mm),
+            number(item.differing_mm),
+            percent(item.share) if item.share > 1e-12 else "0",
+            _tolerance(result, item.key, item.needed_alone),
+            _tolerance(result, item.key, item.needed_equal_share),
+            UNITS[item.key],
+        )
+        for item in result.sensitivities
+    ]
+
+
+def quantity_numeric(result: ToleranceResult) -> tuple[bool, ...]:
+    """Which of the ranked table's columns stand right."""
+    return (False, *[True] * (6 + len(result.depths)), False)
+
+
+def variance_heads() -> tuple[str, ...]:
+    """Heads of the table of shares; a newline starts a second line."""
+    return ("quantity", "first\norder", "Sobol,\nalone", "Sobol, with\nothers", "sampling\nerror", "source")
+
+
+def variance_rows(result: ToleranceResult) -> list[tuple[str, ...]]:
+    """Rows of the table of shares, the worst quantity first: first order beside Sobol indices, in percent."""
+    rows: list[tuple[str, ...]] = []
+    for item in result.sensitivities:
+        shares = (MISSING, MISSING, MISSING)
+        if result.interactions is not None:
+            error, place = result.interactions.error, result.interactions.place(item.key)
+            sampling = max(error.first_se[place], error.total_se[place])
+            shares = (
+                _share(error.first[place]),
+                _share(error.total[place]),
+                percent(sampling) if sampling > 1e-6 else "0",
+            )
+        source = result.tolerances.source(item.key)
+        rows.append((QUANTITIES[item.key], _share(item.share), *shares, source))
+    return rows
+
+
+def _share(value: float) -> str:
+    """A share in percent; estimates of nothing may come out below it."""
+    return percent(value) if value > 1e-6 else "0"
+
+
+def _tolerance(result: ToleranceResult, key: str, value: float) -> str:
+    if math.isinf(value):
+        return "any"
+    return ("±" if result.tolerances.is_bound(key) else "") + number(value)
+
+
 def tolerance_png(result: ToleranceResult) -> bytes:
-    """PNG: what each quantity does, and the share of rigs under each depth error."""
+    """PNG of `tolerance_figure`."""
+    from rigsim.present import style
+
+    return style.to_png(tolerance_figure(result))
+
+
+def tolerance_figure(result: ToleranceResult) -> Figure:
+    """What each quantity does, and the share of rigs under each depth error."""
     from rigsim.present import style
 
     with style.styled():
         below: dict[str, Any] = {
             "loc": "upper center",
-            "bbox_to_anchor": (0.45, -0.2),
+            "bbox_to_anchor": (0.42, -0.2),
             "ncols": 3,
             "handlelength": 1.2,
             "columnspacing": 1.0,
         }
         figure = style.new_figure(style.PAGE_WIDTH_IN, _HEIGHT_IN)
-        bars = style.place(figure, 1.45, 0.85, 2.1, 2.4)
+        bars = style.place(figure, 1.68, 0.85, 1.95, 2.4)
         rows = [item for item in result.sensitivities if item.share > 1e-12][::-1]
         place = np.arange(len(rows))
         common = np.array([abs(item.common_mm) for item in rows])
@@ -143,4 +211,4 @@ def tolerance_png(result: ToleranceResult) -> bytes:
         shares.set_ylabel("rigs under it, %")
         shares.set_title("Built rigs")
         shares.legend(**below)
-    return style.to_png(figure)
+    return figure

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+_HEARSAY = "a user's word alone: "
+
 
 @dataclass(frozen=True, slots=True)
 class Figure:
@@ -23,6 +25,11 @@ class Figure:
     """In which mode, or what is odd about it."""
     at_mm: float | None = None
     """Distance an accuracy is claimed for, mm."""
+
+    @property
+    def hearsay(self) -> bool:
+        """Whether it rests on what a user quotes or lists, and on nothing else."""
+        return self.source.startswith(_HEARSAY)
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,12 +80,22 @@ _D405_MIN_Z = "RealSense staff, from the data sheet (github.com/realsenseai/real
 _D415_PAGE = "D415 product page (realsenseai.com/products/stereo-depth-camera-d415), read in quotation only"
 _D435_PAGE = "D435i product page (realsenseai.com/products/depth-camera-d435i), read in quotation only"
 _D415_SHIFT = "Intel community, from the tuning guide (community.intel.com, thread 676278)"
-_D435_SPECS = "Intel community, a user's list of specifications (community.intel.com, thread 676278)"
+_D435_SPECS = _HEARSAY + "a list of specifications (community.intel.com, thread 676278)"
 _D455_SHEET = (
     "D400 data sheet 337029-009 (realsenseai.com/wp-content/uploads/2020/06/"
     "Intel-RealSense-D400-Series-Datasheet-June-2020.pdf), read in quotation only"
 )
-_D4XX_ACCURACY = "a user, from the data sheet (github.com/realsenseai/librealsense/issues/7806)"
+_D435_ACCURACY = (
+    _HEARSAY
+    + "'in the datasheet', not contradicted by staff (github.com/realsenseai/librealsense/issues/7806)"
+)
+_D400_ACCURACY = "RealSense staff (github.com/realsenseai/librealsense/issues/7806)"
+_D400_ACCURACY_NOTE = "'2.5 mm to 5 mm is expected with 400 Series cameras': the worse end"
+_D455_ACCURACY = "RealSense staff, from the press release (github.com/realsenseai/librealsense/issues/6697)"
+_D405_OLD_SHEET = _HEARSAY + "the data sheet of 2022 (github.com/realsenseai/librealsense/issues/15016)"
+_D405_DIGIKEY = (
+    "DigiKey, from the data sheet (forum.digikey.com/t/the-intel-realsense-depth-camera-d405/50822)"
+)
 _ZED_LENS = (
     "Stereolabs, camera focal length and field of view"
     " (support.stereolabs.com/hc/en-us/articles/360007395634)"
@@ -146,9 +163,13 @@ CAMERAS: tuple[Camera, ...] = (
             Figure("hfov_deg", 79.88, _D405_MIN_Z, "from one camera's focal length, 382.259 px at 640x480"),
             Figure("vfov_deg", 58, _D405_SPECS),
             *_size(1280, 720, _D400_TABLE, "largest depth picture of the D400 modules"),
+            Figure("min_depth_mm", 100, _D405_DIGIKEY, "at 1280x720"),
+            Figure("min_depth_mm", 70, _D405_DIGIKEY, "at 848x480"),
+            Figure("min_depth_mm", 40, _D405_DIGIKEY, "at 424x240"),
             Figure("min_depth_mm", 70, _D405_SPECS, "resolution not said"),
             Figure("max_disparity_px", 126, _D400_SEARCH),
             *_accuracy(_D405_SPECS, "'<'", (2, 0.5)),
+            *_accuracy(_D405_OLD_SHEET, "'<='", (1.4, 0.2)),
         ),
     ),
     Camera(
@@ -164,6 +185,7 @@ CAMERAS: tuple[Camera, ...] = (
             Figure("min_depth_mm", 300, _D400_RANGES, "resolution not said"),
             Figure("min_depth_mm", 160, _D400_TABLE, "resolution not said"),
             Figure("max_disparity_px", 126, _D400_SEARCH),
+            *_accuracy(_D400_ACCURACY, _D400_ACCURACY_NOTE, (0.5, 1)),
         ),
     ),
     Camera(
@@ -181,7 +203,8 @@ CAMERAS: tuple[Camera, ...] = (
             Figure("min_depth_mm", 110, _D400_TABLE, "resolution not said"),
             Figure("min_depth_mm", 100, _D400_RANGES, "resolution not said"),
             Figure("max_disparity_px", 126, _D400_SEARCH),
-            *_accuracy(_D4XX_ACCURACY, "'<'", (2, 2)),
+            *_accuracy(_D400_ACCURACY, _D400_ACCURACY_NOTE, (0.5, 1)),
+            *_accuracy(_D435_ACCURACY, "'<'", (2, 2)),
         ),
     ),
     Camera(
@@ -210,7 +233,8 @@ CAMERAS: tuple[Camera, ...] = (
                 "at 1280x720",
             ),
             Figure("max_disparity_px", 126, _D400_SEARCH),
-            *_accuracy(_D4XX_ACCURACY, "'<'", (2, 4)),
+            *_accuracy(_D455_ACCURACY, "'less than'", (2, 4)),
+            *_accuracy(_D400_ACCURACY, _D400_ACCURACY_NOTE, (0.5, 1)),
         ),
     ),
     Camera(

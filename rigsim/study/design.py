@@ -33,6 +33,10 @@ PREFERENCES: tuple[str, ...] = ("smallest", "cheapest", "most-accurate")
 
 TRUSTED_SIGMAS = 4.0
 """Disparities under this many of their standard deviations have no useful depth error."""
+NOISE_SOURCES: tuple[str, ...] = ("given", "assumed", "measured")
+"""Where a pixel noise may come from."""
+PRIOR_NOISE_PX = 0.25
+"""Pixel noise where none is given, px: what good matching of natural surfaces reaches."""
 MARGIN = 0.05
 """Room that a pick keeps from either end of its interval, where the interval has it."""
 MIN_OVERLAP = 0.5
@@ -65,6 +69,10 @@ class Specification:
     """All requirements, those that follow from the range among them."""
     noise_px: float
     """Standard deviation of one pixel coordinate, px."""
+    noise_source: str = "given"
+    """One of `NOISE_SOURCES`."""
+    noise_says: str = "given"
+    """Where the noise comes from, in words."""
 
     @property
     def disparity_std_px(self) -> float:
@@ -132,17 +140,32 @@ def specify(
     far_m: float,
     requirements: Sequence[Requirement],
     *,
-    noise_px: float = 0.25,
+    noise_px: float = PRIOR_NOISE_PX,
     min_overlap: float = MIN_OVERLAP,
+    nearest_focus_m: float = 0.0,
 ) -> Specification:
     """A specification for a working range: overlap at its near end and a useful disparity at its far end too.
 
+    Args:
+        near_m: near end of the range, m.
+        far_m: far end, m.
+        requirements: what else is asked for.
+        noise_px: standard deviation of one pixel coordinate, px.
+        min_overlap: share of the left image that the right camera sees at the near end, where
+            `requirements` ask for none there.
+        nearest_focus_m: the nearest distance at which the lenses draw sharply, m.
+
     Raises:
-        InvalidRange: the range is empty or starts at 0, no depth error is asked for, a requirement lies
-            outside the range, or the noise is not positive.
+        InvalidRange: the range is empty, starts at 0 or nearer than the lenses focus, no depth error is asked
+            for, a requirement lies outside the range, or the noise is not positive.
     """
     if not (math.isfinite(far_m) and 0 < near_m < far_m):
         raise InvalidRange(f"range {near_m:g}:{far_m:g} m: must be 0 < near < far; no rig sees from 0 on")
+    if near_m < nearest_focus_m * (1 - 1e-9):
+        raise InvalidRange(
+            f"range {near_m:g}:{far_m:g} m: starts nearer than the lenses focus, {nearest_focus_m:g} m; "
+            "start there, or choose lenses that focus nearer"
+        )
     disparity_std_px(noise_px)
     if not any(asked.kind == "depth_error" for asked in requirements):
         raise InvalidRange("no depth error asked for: give at least one, as in 10mm@3m or 1%")
@@ -151,16 +174,10 @@ def specify(
             raise InvalidRange(
                 f"{words.name(asked)}: outside the range of {near_m:g} to {far_m:g} m; widen --range"
             )
-    return Specification(
-        near_m,
-        far_m,
-        (
-            *requirements,
-            Requirement("overlap", min_overlap, near_m),
-            Requirement("far_disparity", TRUSTED_SIGMAS, far_m),
-        ),
-        noise_px,
-    )
+    implied = [Requirement("far_disparity", TRUSTED_SIGMAS, far_m)]
+    if not any(asked.kind == "overlap" and asked.depth_m == near_m for asked in requirements):
+        implied.insert(0, Requirement("overlap", min_overlap, near_m))
+    return Specification(near_m, far_m, (*requirements, *implied), noise_px)
 
 
 def solve(specification: Specification, cameras: Sequence[Camera], preference: str = "cheapest") -> Design:

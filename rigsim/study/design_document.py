@@ -8,7 +8,10 @@ from typing import Any
 
 from rigsim.study import design_words as words
 from rigsim.study.design import Candidate, Design
+from rigsim.study.design_checks import Check
 from rigsim.study.design_proof import Proof
+from rigsim.study.design_tolerance import DesignTolerance
+from rigsim.study.tolerance_document import tolerance_document
 from rigsim.theory.inverse import Bound, Interval, Requirement
 
 
@@ -17,8 +20,10 @@ def recommended(design: Design, proofs: Sequence[Proof]) -> Candidate:
     return next((proof.candidate for proof in proofs if proof.verified), design.candidates[0])
 
 
-def design_document(design: Design, proofs: Sequence[Proof]) -> dict[str, Any]:
-    """The whole answer: recommended, binding, requirements, feasible, pareto, proof; JSON values only."""
+def design_document(
+    design: Design, proofs: Sequence[Proof], tolerance: DesignTolerance | None = None
+) -> dict[str, Any]:
+    """The whole answer, as docs/design.md says; JSON values only."""
     pick = recommended(design, proofs)
     verified = any(proof.verified for proof in proofs)
     spec = design.specification
@@ -32,14 +37,24 @@ def design_document(design: Design, proofs: Sequence[Proof]) -> dict[str, Any]:
         "binding": {"shortest": _bound(pick.interval.lower), "longest": _bound(pick.interval.upper)},
         "requirements": [_achieved(asked, pick, design, proofs) for asked in spec.requirements],
         "range_mm": [_clean(spec.near_m * 1e3), _clean(spec.far_m * 1e3)],
-        "noise_px": spec.noise_px,
+        "noise_px": _clean(spec.noise_px),
+        "noise_source": spec.noise_source,
+        "noise_says": spec.noise_says,
         "preference": design.preference,
         "cameras_tried": len(design.intervals),
         "feasible": [_interval(interval) for interval in design.feasible],
         "pareto": [_rig(candidate) for candidate in design.pareto],
         "proof": [
-            {**_rig(proof.candidate), "verified": proof.verified, "reason": proof.why} for proof in proofs
+            {
+                **_rig(proof.candidate),
+                "verified": proof.verified,
+                "reason": proof.why,
+                "sensor": proof.sensor or None,
+                "measured_method": proof.method or None,
+            }
+            for proof in proofs
         ],
+        "tolerance": None if tolerance is None else tolerance_part(tolerance),
     }
 
 
@@ -51,6 +66,24 @@ def _rig(candidate: Candidate) -> dict[str, Any]:
     }
 
 
+def tolerance_part(tolerance: DesignTolerance) -> dict[str, Any]:
+    """What must be held how tightly, and the yields of the classes."""
+    whole = tolerance_document(tolerance.result)
+    return {
+        "class": tolerance.class_name,
+        "required": whole["required"],
+        "rigs": whole["rigs"],
+        "points": whole["points"],
+        "distances_mm": [item["distance_mm"] for item in whole["depths"]],
+        "quantities": whole["quantities"],
+        "yield": {
+            item.name: {"as_built": item.as_built, "recalibrated": item.recalibrated}
+            for item in tolerance.yields
+        },
+        "says": tolerance.says,
+    }
+
+
 def _camera(interval: Interval) -> dict[str, Any]:
     camera = interval.camera
     return {
@@ -59,6 +92,8 @@ def _camera(interval: Interval) -> dict[str, Any]:
         "width_px": camera.width_px,
         "height_px": camera.height_px,
         "hfov_deg": _clean(math.degrees(camera.hfov_rad)),
+        "sensor": camera.sensor or None,
+        "focal_mm": None if camera.focal_mm is None else _clean(camera.focal_mm),
     }
 
 
@@ -96,16 +131,7 @@ def _achieved(asked: Requirement, pick: Candidate, design: Design, proofs: Seque
         "far_disparity": ("standard deviations", 1.0),
     }[asked.kind]
     predicted = asked.achieved(pick.camera, pick.baseline_m, design.specification.disparity_std_px)
-    simulated = next(
-        (
-            held.simulated_m * scale
-            for proof in proofs
-            if proof.candidate == pick
-            for held in proof.checks
-            if held.requirement == asked and math.isfinite(held.simulated_m)
-        ),
-        None,
-    )
+    held = held_to(asked, pick, proofs)
     return {
         "requirement": asked.kind,
         "statistic": "p95" if asked.per_std != 1 else "std",
@@ -114,8 +140,24 @@ def _achieved(asked: Requirement, pick: Candidate, design: Design, proofs: Seque
         "bound": "at least" if asked.at_least else "at most",
         "required": _clean(asked.limit * scale),
         "achieved": _clean(predicted * scale),
-        "simulated": None if simulated is None else _clean(simulated),
+        "simulated": None if held is None else _known(held.simulated * scale),
+        "shown_by": None if held is None else held.shown_by,
+        "measured": None if held is None else _known(held.measured * scale),
+        "measured_n": 0 if held is None else held.n_measured,
+        "met": bool(
+            asked.is_met(predicted) if held is None else held.is_met and not held.is_missed_by_pixels
+        ),
     }
+
+
+def held_to(asked: Requirement, pick: Candidate, proofs: Sequence[Proof]) -> Check | None:
+    """What the proof of `pick` says of one requirement; None where there is none."""
+    checks = (held for proof in proofs if proof.candidate == pick for held in proof.checks)
+    return next((held for held in checks if held.requirement == asked), None)
+
+
+def _known(value: float) -> float | None:
+    return _clean(value) if math.isfinite(value) else None
 
 
 def _clean(value: float) -> float:

@@ -1,8 +1,8 @@
 """The proof of a design: the pick is rendered, simulated and measured as in a sweep, then held to the word.
 
-A requirement at a distance is held to the simulated points nearest that distance: each may err by what is
-asked for times (its depth / that distance) squared, the law that the requirement itself is solved by, and
-their RMS error is compared with the RMS of what they may. The prediction has no part in that comparison.
+Every requirement is held to what the placed rig shows (`rigsim.study.design_checks`); the formulas have no
+part in it. A pick is verified when every requirement holds in the simulation, no measured depth error misses
+by more than two of its standard errors, and the sweep's own verdict flags nothing.
 """
 
 from __future__ import annotations
@@ -12,45 +12,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from rigsim.errors import InvalidScene
-from rigsim.rig.arrays import Array
+from rigsim.rig.noise import PixelNoise
 from rigsim.study import design_words as words
-from rigsim.study.design import Candidate, Design
-from rigsim.theory.inverse import Requirement
+from rigsim.study.design import Candidate, Design, Specification, solve
+from rigsim.study.design_checks import Check, Sight, check
 
 if TYPE_CHECKING:
+    from rigsim.study.design_room import Room
     from rigsim.study.plan import Plan
-    from rigsim.study.result import SweepResult
+    from rigsim.study.result import Showcase
+    from rigsim.theory.inverse import Camera
 
 ATTEMPTS = 3
 """Candidates that are tried before giving up."""
-FEWEST_POINTS = 100
-"""Points that a requirement is held to at least."""
-_WINDOW = 1.25  # points within this factor of the distance
-_REACH = 2.0  # farther off than this factor, points say nothing about the distance
-
-
-@dataclass(frozen=True, slots=True)
-class Check:
-    """One depth error, asked for and simulated."""
-
-    requirement: Requirement
-    """What was asked for."""
-    simulated_m: float
-    """Simulated error, scaled to the requirement's distance and statistic, m; NaN without points."""
-    n_points: int
-    """Points it rests on."""
-    nearest_m: float
-    """Depth of the nearest of them, m."""
-    farthest_m: float
-    """Depth of the farthest of them, m."""
-
-    @property
-    def is_met(self) -> bool:
-        """Whether the simulated error is small enough; never without points."""
-        return self.simulated_m <= self.requirement.limit
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,103 +34,135 @@ class Proof:
     candidate: Candidate
     """The rig."""
     checks: tuple[Check, ...]
-    """Every depth error asked for."""
+    """Every requirement."""
     verified: bool
-    """Whether the simulation keeps what the formulas promised, and no witness objects."""
+    """Whether simulation and pixels keep what the formulas promised, and no witness objects."""
     why: str
     """One sentence: how it was verified, or why not."""
-    result: SweepResult | None
-    """The sweep of this one rig; None where the scene has nothing to simulate."""
+    show: Showcase | None
+    """Its points and pictures; None where the scene has nothing to simulate."""
+    sensor: str = ""
+    """What the pictures were taken with."""
+    method: str = ""
+    """What was measured in them; empty when nothing was."""
 
 
-def prove(design: Design, plan: Plan, attempts: int = ATTEMPTS) -> tuple[Proof, ...]:
+def prove(
+    design: Design, room: Room, noise: PixelNoise | None = None, attempts: int = ATTEMPTS
+) -> tuple[Proof, ...]:
     """Prove the candidates in their order until one is verified.
 
     Args:
         design: what the formulas say.
-        plan: as for a sweep; its range and noise should be the specification's.
+        room: where.
+        noise: what is simulated; the specification's by default.
         attempts: candidates tried at most.
 
     Returns:
         One proof a candidate tried, the last one verified if any is.
 
     Raises:
-        InvalidScene: the scene cannot be used.
+        RenderMismatch: the renderer disagrees with the rig or with rays.
         RenderUnavailable: the renderer asked for does not work here.
     """
     proofs: list[Proof] = []
     for candidate in design.candidates[:attempts]:
-        proofs.append(_prove(candidate, design, plan))
-        if proofs[-1].verified or proofs[-1].result is None:
+        proofs.append(_prove(candidate, design, room, noise or PixelNoise(design.specification.noise_px)))
+        if proofs[-1].verified or proofs[-1].show is None:
             break
     return tuple(proofs)
 
 
-def _prove(candidate: Candidate, design: Design, plan: Plan) -> Proof:
-    from rigsim.sim.simulator import Simulator  # heavy, and the formulas alone need none of it
-    from rigsim.study.sweep import sweep
+def settle_and_prove(
+    specification: Specification, cameras: Sequence[Camera], preference: str, room: Room
+) -> tuple[Design, tuple[Proof, ...]]:
+    """The design with its own sensor's noise, and its proofs: when pixels miss, their noise is taken instead.
 
-    try:
-        result = sweep([candidate.rig], plan)
-    except InvalidScene as error:
-        Simulator(plan.scene, plan.mount, plan.renderer).close()  # raises again when the scene is to blame
-        return Proof(candidate, (), False, f"not verified: {error}", None)
-    show = result.showcase
-    depth_m = show.points_left[show.visible, 2]
-    error_m = show.depth_rmse_m[show.visible]
-    known = np.isfinite(error_m)
-    checks = tuple(
-        check(asked, depth_m[known], error_m[known])
-        for asked in design.specification.requirements
-        if asked.kind == "depth_error"
-    )
-    agreement = str(result.rows["agreement"].iloc[0])
-    why = _objection(checks, agreement)
-    if why:
-        return Proof(candidate, checks, False, f"not verified: {why}", result)
-    n_points = sum(held.n_points for held in checks)
-    return Proof(
-        candidate,
-        checks,
-        True,
-        f"verified: simulated in `{plan.scene}` on {n_points} points at the distances asked for, "
-        f"{plan.n_trials} trials each",
-        result,
-    )
-
-
-def check(asked: Requirement, depth_m: Array, rmse_m: Array) -> Check:
-    """Hold a depth error to simulated points.
-
-    Args:
-        asked: the requirement.
-        depth_m: true depth of the points, (N,) m.
-        rmse_m: RMS depth error of each over its trials, (N,) m.
+    Raises:
+        InvalidRig: no rig meets the requirements with the noise measured last.
+        RenderMismatch: as `prove`.
+        RenderUnavailable: as `prove`.
     """
-    away = np.abs(np.log(depth_m / asked.depth_m))
-    order = np.argsort(away, kind="stable")
-    count = max(int((away <= math.log(_WINDOW)).sum()), FEWEST_POINTS)
-    chosen = order[:count]
-    chosen = chosen[away[chosen] <= math.log(_REACH)]
-    if len(chosen) < FEWEST_POINTS:
-        return Check(asked, math.nan, len(chosen), math.nan, math.nan)
-    scale = (depth_m[chosen] / asked.depth_m) ** 2
-    simulated_m = math.sqrt(float(np.mean(rmse_m[chosen] ** 2)) / float(np.mean(scale**2))) * asked.per_std
-    near, far = float(depth_m[chosen].min()), float(depth_m[chosen].max())
-    return Check(asked, simulated_m, len(chosen), near, far)
+    from rigsim.study.design_room import measure_noise, settle
+
+    design = settle(specification, cameras, preference, room)
+    proofs: list[Proof] = []
+    for _ in range(ATTEMPTS):
+        tried = [(proof.candidate.camera, proof.candidate.baseline_m) for proof in proofs]
+        left = [c for c in design.candidates if (c.camera, c.baseline_m) not in tried]
+        if not left:
+            break
+        noise = PixelNoise(design.specification.noise_px)
+        proofs.append(_prove(left[0], design, room, noise))
+        if proofs[-1].verified or proofs[-1].show is None:
+            break
+        if any(held.is_missed_by_pixels for held in proofs[-1].checks):
+            when = f"by {words.camera(left[0].camera)}, which missed with less"
+            found = measure_noise(specification, left[0], room, when)
+            if found.noise_px > design.specification.noise_px:
+                design = solve(found, cameras, preference)
+    return design, tuple(proofs)
 
 
-def _objection(checks: Sequence[Check], agreement: str) -> str:
+def _prove(candidate: Candidate, design: Design, room: Room, noise: PixelNoise) -> Proof:
+    trial = room.trial(candidate)
+    label, matches = trial.fitting.label, trial.matches
+    if trial.seen is None:
+        return Proof(candidate, (), False, f"not verified: {trial.why}", None, label)
+    row, show, centres_apart_m = room.row(candidate, noise)
+    sight = Sight(
+        rig=show.rig,
+        centres_apart_m=centres_apart_m,
+        picture_px=(show.image_left.shape[1], show.image_left.shape[0]),
+        points_left=show.points_left[show.visible],
+        depth_rmse_m=show.depth_rmse_m[show.visible],
+        noise=show.noise,
+        n_trials=room.plan.n_trials,
+        measured=matches,
+    )
+    rng = room.plan.stream("percentile", room.plan.scene, show.rig, repr(show.noise))
+    checks = tuple(check(asked, sight, rng) for asked in design.specification.requirements)
+    why = _objection(checks, str(row["agreement"]), room.plan)
+    method = matches.method if matches is not None and len(matches.outlier) else ""
+    verified = not why
+    if verified:
+        why = _grounds(checks, room.plan, method, label)
+    return Proof(
+        candidate, checks, verified, why if verified else f"not verified: {why}", show, label, method
+    )
+
+
+def _grounds(checks: Sequence[Check], plan: Plan, method: str, label: str) -> str:
+    errors = [held for held in checks if held.requirement.kind == "depth_error"]
+    n_points, n_measured = sum(held.n_points for held in errors), sum(held.n_measured for held in errors)
+    simulated = (
+        f"verified: simulated in `{plan.scene}` on {n_points} points near the distances asked for, "
+        f"{plan.n_trials} trials each"
+    )
+    if n_measured:
+        return f"{simulated}, and measured on {n_measured} {method} in the pictures (sensor: {label})"
+    return f"{simulated}; the pictures have too little to measure near those distances"
+
+
+def _objection(checks: Sequence[Check], agreement: str, plan: Plan) -> str:
     """Why the proof fails; empty when it does not."""
     for held in checks:
         asked = held.requirement
-        if not held.n_points or math.isnan(held.simulated_m):
+        if math.isnan(held.simulated):
             return (
                 f"the scene has too few points near {words.distance(asked.depth_m)}; choose another --scene"
             )
         if not held.is_met:
             return (
-                f"the {words.name(asked)} simulates to {words.size(held.simulated_m)}, "
-                f"asked for {words.size(asked.limit)}"
+                f"the {words.name(asked)} simulates to {words.value(asked, held.simulated, 3)}, "
+                f"asked for {words.value(asked, asked.limit, 3)}"
+            )
+    for held in checks:
+        if held.is_missed_by_pixels:
+            asked = held.requirement
+            return (
+                f"the {words.name(asked)} simulates to {words.value(asked, held.simulated, 3)} as asked for, "
+                f"but measures {words.value(asked, held.measured, 3)} in the pictures "
+                f"({held.n_measured} matches), more than the {words.value(asked, asked.limit, 3)} allowed"
             )
     return "" if agreement == "agrees" else agreement.removeprefix("flagged: ")

@@ -61,6 +61,13 @@ def run_rig(simulator: Simulator, rig: StereoRig, plan: Plan) -> Outcome:
         seen = look(simulator, rig, plan)
     except NothingSeen as error:
         return _blind(simulator, rig, plan, str(error))
+    return all_rows(simulator, rig, plan, seen, measure_pictures(simulator, rig, plan, seen))
+
+
+def all_rows(
+    simulator: Simulator, rig: StereoRig, plan: Plan, seen: Look, measured: Mapping[str, Measured]
+) -> Outcome:
+    """All rows of a placed rig from what it sees and what was measured, by the sensor's name."""
     truth = seen.truth
     depth_m = truth.points_left[:, 2]
     near_m, far_m = plan.range_m or (float(depth_m.min()), float(depth_m.max()))
@@ -68,7 +75,6 @@ def run_rig(simulator: Simulator, rig: StereoRig, plan: Plan) -> Outcome:
     if plan.range_m is not None:
         edges_m = np.unique(edges_m.clip(near_m, far_m))
     bins = np.searchsorted(edges_m[1:-1], depth_m, side="right").astype(np.int32)
-    measured = _measure(simulator, rig, plan, seen)
     methods = {triangulator_label(method): method for method in plan.triangulators}
     outcome = Outcome([], [])
     for noise in plan.noises:
@@ -102,7 +108,7 @@ def measuring_method(simulator: Simulator, plan: Plan) -> str:
     return "corners" if len(simulator.scene.boards) >= CORNERS_FROM_BOARDS else "patches"
 
 
-def _measure(simulator: Simulator, rig: StereoRig, plan: Plan, seen: Look) -> dict[str, Measured]:
+def measure_pictures(simulator: Simulator, rig: StereoRig, plan: Plan, seen: Look) -> dict[str, Measured]:
     """What the pictures of each sensor say, by the sensor's name; empty when nothing is to be measured."""
     method = measuring_method(simulator, plan)
     if method == "none":

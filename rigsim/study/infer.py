@@ -20,6 +20,7 @@ from rigsim.errors import InvalidRange
 from rigsim.rig.arrays import Array
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.infer_bias import BiasPart, bias_part
 from rigsim.theory.uncertainty import parallax_px, predict_depth_std
 
 CONFIDENCE = 0.95
@@ -81,20 +82,6 @@ class LawFit:
     """Law of the least misfit."""
     verdict: Verdict
     """Inconsistent when the interval leaves the exponent of stereo noise out."""
-
-
-@dataclass(frozen=True, slots=True)
-class BiasPart:
-    """The mean errors, as two calibration errors would make them: ``-K(Z) offset + scale Z``."""
-
-    disparity_offset_px: float
-    """Measured minus true disparity, px: yaw or a principal point that is off."""
-    scale: float
-    """Share of the distance: a baseline or focal length that is off; NaN where one distance is known."""
-    left_rms_m: float
-    """RMS of what neither explains, m."""
-    share: float
-    """Share of the bias in the mean squared error, over all distances, each relative to its distance."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,7 +147,7 @@ def infer_disparity_noise(rig: StereoRig, errors: DepthErrors) -> Inference:
     estimate, low, high, interval_from = _estimate(logs, errors.counts)
     bias = None
     if errors.biases_m is not None:
-        bias = _bias(errors, gains, errors.biases_m)
+        bias = bias_part(errors.depths_m, errors.stds_m, errors.counts, gains, errors.biases_m)
     fit = _fit(errors, gains)
     return Inference(rig, errors, gains, estimate, low, high, interval_from, fit, bias)
 
@@ -176,6 +163,13 @@ def depth_gain(rig: StereoRig, depths_m: Array) -> Array:
     if bad.any():
         raise InvalidRange(f"distance {depths_m[bad][0] * 1e3:g} mm: this rig has no depth there")
     return gains
+
+
+def law_factor(errors: DepthErrors, power: float) -> float:
+    """Factor, m at 1 m, of the law ``factor x distance^power`` that fits `errors` best, in logarithms."""
+    freedom = np.ones(len(errors.depths_m)) if errors.counts is None else errors.counts - 1
+    logs = np.log(errors.stds_m) - power * np.log(errors.depths_m)
+    return math.exp(float((freedom * logs).sum() / freedom.sum()))
 
 
 def disparity_of_bounds(rig: StereoRig, near_m: float, far_m: float) -> float:
@@ -281,27 +275,3 @@ def _fit(errors: DepthErrors, gains: Array) -> LawFit | None:
 def _misfit(residual: Array, weights: Array) -> float:
     away = residual - (weights * residual).sum()
     return float(np.sqrt((weights * np.expm1(np.abs(away)) ** 2).sum()))
-
-
-def _bias(errors: DepthErrors, gains: Array, biases_m: Array) -> BiasPart:
-    """Least squares of the relative bias on both calibration errors; the offset alone under three points.
-
-    Every distance weighs as much as its own std says.
-    """
-    depths = errors.depths_m
-    weights = 1 / errors.stds_m if errors.counts is None else np.sqrt(errors.counts) / errors.stds_m
-    columns = np.column_stack([-gains, depths])
-    if len(depths) < FEWEST or np.ptp(depths) < 1e-9 * depths.max():
-        columns = columns[:, :1]
-    scaled = columns * weights[:, None]
-    sizes = np.linalg.norm(scaled, axis=0)
-    solution = np.linalg.lstsq(scaled / sizes, biases_m * weights, rcond=None)[0] / sizes
-    left = biases_m - columns @ solution
-    mean_square = (biases_m / depths) ** 2
-    total = mean_square + (errors.stds_m / depths) ** 2
-    return BiasPart(
-        float(solution[0]),
-        float(solution[1]) if len(solution) > 1 else math.nan,
-        float(np.sqrt(np.mean(left**2))),
-        float(mean_square.sum() / total.sum()),
-    )

@@ -1,6 +1,6 @@
-"""Recalibration of a built rig: what epipolar errors and one known length tell of its ten quantities.
+"""Recalibration of a built rig: what epipolar errors and one known length tell of what it is off by.
 
-The rig looks at features whose places it does not know, and at two marks whose distance it does. The ten
+The rig looks at features whose places it does not know, and at two marks whose distance it does. The
 quantities follow by least squares, with the tolerances as what is known beforehand (Gauss-Newton
 for all rigs at once). What the pictures do not show, the tolerances hold where it was.
 """
@@ -13,14 +13,14 @@ import numpy as np
 
 from rigsim.errors import InvalidRange
 from rigsim.rig.arrays import Array
-from rigsim.rig.perturbation import NAMES
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.tolerance_batch import Rays, RigBatch, read_rays
+from rigsim.study.tolerance_batch import PARAMETERS, Rays, RigBatch, read_rays
 from rigsim.theory.uncertainty import pixel_gain
 
 _STEP = 1e-4
 _MOST_STEPS = 20
 _STILL = 1e-6
+_LONGEST = 2.0
 _LEAST_NOISE_PX = 1e-3
 _MARKS = 2
 _MOVES = ("yaw_rad", "pitch_rad", "roll_rad", "baseline_m", "axial_m", "vertical_m")
@@ -37,7 +37,7 @@ class Compensator:
     marks_left: Array
     """Two marks (2, 3) m; their distance is known."""
     std: Array
-    """Standard deviations (10,) of the quantities beforehand, in `Perturbation`'s units; 0 is known."""
+    """Standard deviations (12,) of the quantities beforehand, in `PARAMETERS`' units; 0 is known."""
     noise_px: float = 0.025
     """Standard deviation of one pixel coordinate, after averaging over pictures."""
     length_std_m: float = 1e-4
@@ -55,21 +55,21 @@ class Compensator:
         return float(np.linalg.norm(self.marks_left[1] - self.marks_left[0]))
 
     def observe(self, thetas: Array, rng: np.random.Generator) -> Array:
-        """Pixels (4, n, m + 2) that rigs off by `thetas` (n, 10) see; the marks come last."""
+        """Pixels (4, n, m + 2) that rigs off by `thetas` (n, 12) see; the marks come last."""
         points = np.concatenate([self.features_left, self.marks_left])
         pixels = RigBatch(self.rig, thetas).project(points)
         pixels += self.noise_px * rng.standard_normal(pixels.shape)
         return pixels
 
     def residuals(self, pixels: Array, thetas: Array) -> Array:
-        """Weighted residuals (n, m + 1 + 10): epipolar errors, the length's, and the quantities' own."""
+        """Weighted residuals (n, m + 1 + 12): epipolar errors, the length's, and the quantities' own."""
         batch = RigBatch(self.rig, thetas)
         return self._residuals(batch, thetas, batch.rays(pixels, read_rays(self.rig, pixels)))
 
     def solve(self, pixels: Array) -> Array:
-        """The quantities (n, 10) that minimise the squared `residuals` of `pixels` (4, n, m + 2)."""
+        """The quantities (n, 12) that minimise the squared `residuals` of `pixels` (4, n, m + 2)."""
         free = np.flatnonzero(self.std > 0)
-        thetas = np.zeros((pixels.shape[1], len(NAMES)))
+        thetas = np.zeros((pixels.shape[1], len(PARAMETERS)))
         rays = read_rays(self.rig, pixels)
         for _ in range(_MOST_STEPS):
             batch = RigBatch(self.rig, thetas)
@@ -80,7 +80,7 @@ class Compensator:
                 moved = thetas.copy()
                 moved[:, k] += _STEP * self.std[k]
                 batch = RigBatch(self.rig, moved)
-                read = self._read_again(batch, NAMES[k], pixels, rays)
+                read = self._read_again(batch, PARAMETERS[k], pixels, rays)
                 J[:, :, place] = (self._residuals(batch, moved, read) - residual) / _STEP
             # what one rig does not see has no say; the tolerances keep the system regular
             hidden = ~(np.isfinite(residual) & np.isfinite(J).all(axis=2))
@@ -88,6 +88,8 @@ class Compensator:
             J[hidden] = 0.0
             transposed = J.transpose(0, 2, 1)
             step = np.linalg.solve(transposed @ J, transposed @ residual[:, :, None])[:, :, 0]
+            # far off, the slopes mislead: no step is longer than what a tolerance allows
+            step /= np.maximum(np.abs(step).max(axis=1, keepdims=True) / _LONGEST, 1.0)
             thetas[:, free] -= step * self.std[free]
             if not np.abs(step).max(initial=0.0) > _STILL:
                 break
@@ -97,7 +99,7 @@ class Compensator:
         """The rays after a tiny change of one quantity: only lenses bend them."""
         if name in _MOVES:
             return rays
-        left = batch.rays_left(pixels, rays, 1) if name == "both_k1" else rays.left
+        left = batch.rays_left(pixels, rays, 1) if name.startswith("both_") else rays.left
         return Rays(left, batch.rays_right(pixels, rays, 1))
 
     def _residuals(self, batch: RigBatch, thetas: Array, rays: Rays) -> Array:
@@ -108,7 +110,9 @@ class Compensator:
         x, y, z = batch.triangulate(Rays((xl[:, marks], yl[:, marks]), (xr[:, marks], yr[:, marks])))
         length = np.sqrt(np.diff(x) ** 2 + np.diff(y) ** 2 + np.diff(z) ** 2)
         scaled = np.where(self.std > 0, thetas / np.where(self.std > 0, self.std, 1.0), 0.0)
-        return np.concatenate([epipolar, (length - self.length_m) / self._length_sigma_m, scaled], axis=1)
+        # in the inverse length, which disparity moves evenly: a mark read at infinity is no infinite error
+        off = self.length_m * (1 - self.length_m / length) / self._length_sigma_m
+        return np.concatenate([epipolar, off, scaled], axis=1)
 
     @property
     def _length_sigma_m(self) -> float:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from rigsim.rig.arrays import Array
-from rigsim.study.tolerance import UNITS
+from rigsim.study.tolerance import UNITS, Sensitivity
+from rigsim.study.tolerance_words import interactions_sentence, recalibration_sentence
 from rigsim.study.tolerance_yield import DepthErrors, ToleranceResult
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 def tolerance_document(result: ToleranceResult) -> dict[str, Any]:
@@ -27,44 +30,44 @@ def tolerance_document(result: ToleranceResult) -> dict[str, Any]:
             "depth_error_mm": result.required.error_m * 1e3,
             "distance_mm": result.required.depth_m * 1e3,
         },
-        "distribution": result.tolerances.distribution,
         "rigs": result.n_rigs,
         "points": result.n_points,
         "yield": {"as_built": result.yield_before, "recalibrated": after},
         "quantities": [
             {
-                "quantity": item.key,
-                "unit": UNITS[item.key],
-                "tolerance": item.tolerance,
+                **_head(result, item),
                 "depth_error_mm": list(item.depth_rms_mm),
-                "common_mm": item.common_mm,
-                "differing_mm": item.differing_mm,
-                "variance_share": item.share,
+                **_rest(result, item),
                 "needed_alone": _finite(item.needed_alone),
                 "needed_equal_share": _finite(item.needed_equal_share),
             }
             for item in result.sensitivities
         ],
+        "interactions": {
+            "noticed": []
+            if result.interactions is None
+            else [result.interactions.keys[place] for place in result.interactions.error.noticed],
+            "says": interactions_sentence(result),
+        },
+        "recalibration": _recalibration(result),
         "depths": [_depth(item) for item in result.depths],
     }
 
 
 def tolerance_table(result: ToleranceResult) -> pd.DataFrame:
     """One row a quantity, the worst first; the columns of docs/tolerance.md."""
+    import pandas as pd  # a document needs none of it
+
     distances = [item.depth_m * 1e3 for item in result.depths]
     return pd.DataFrame(
         [
             {
-                "quantity": item.key,
-                "unit": UNITS[item.key],
-                "tolerance": item.tolerance,
+                **_head(result, item),
                 **{
                     f"depth_error_at_{distance:.10g}_mm": error
                     for distance, error in zip(distances, item.depth_rms_mm, strict=True)
                 },
-                "common_mm": item.common_mm,
-                "differing_mm": item.differing_mm,
-                "variance_share": item.share,
+                **_rest(result, item),
                 "needed_alone": item.needed_alone,
                 "needed_equal_share": item.needed_equal_share,
             }
@@ -76,6 +79,49 @@ def tolerance_table(result: ToleranceResult) -> pd.DataFrame:
 def percentile_mm(per_rig_mm: Array, percent: float) -> float:
     """A percentile over rigs; infinite where that many lose a point."""
     return float(np.percentile(per_rig_mm, percent, method="higher"))
+
+
+def _head(result: ToleranceResult, item: Sensitivity) -> dict[str, Any]:
+    given = result.tolerances
+    return {
+        "quantity": item.key,
+        "unit": UNITS[item.key],
+        "tolerance": item.tolerance,
+        "form": "bound" if given.is_bound(item.key) else "std",
+        "source": given.source(item.key),
+    }
+
+
+def _rest(result: ToleranceResult, item: Sensitivity) -> dict[str, Any]:
+    found: dict[str, Any] = {
+        "common_mm": item.common_mm,
+        "differing_mm": item.differing_mm,
+        "variance_share": item.share,
+    }
+    both = result.interactions
+    place = 0 if both is None else both.place(item.key)
+    for name, indices in (
+        ("sobol", None if both is None else both.error),
+        ("sobol_bias", None if both is None else both.bias),
+    ):
+        for kind in ("first", "first_se", "total", "total_se"):
+            found[f"{name}_{kind}"] = None if indices is None else float(getattr(indices, kind)[place])
+    return found
+
+
+def _recalibration(result: ToleranceResult) -> dict[str, Any] | None:
+    session, length_m = result.recalibration, result.known_length_m
+    if session is None or length_m is None:
+        return None
+    return {
+        "features": session.features,
+        "pictures": session.pictures,
+        "noise_px": session.noise_px,
+        "averaged_noise_px": session.averaged_px,
+        "known_length_mm": length_m * 1e3,
+        "length_std_mm": session.length_std_mm,
+        "says": recalibration_sentence(result),
+    }
 
 
 def _depth(item: DepthErrors) -> dict[str, Any]:

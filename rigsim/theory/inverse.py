@@ -54,6 +54,12 @@ class Camera:
     """Focal length, px."""
     name: str = ""
     """What it is made of, for people."""
+    sensor: str = ""
+    """Name of its sensor; empty when none was named."""
+    focal_mm: float | None = None
+    """Focal length of its lens, mm; None when the pixel pitch is unknown."""
+    pitch_um: float | None = None
+    """Pixel pitch, micrometres; None when it is unknown."""
 
     def __post_init__(self) -> None:
         if not (self.width_px >= 1 and self.height_px >= 1 and 0 < self.focal_px < math.inf):

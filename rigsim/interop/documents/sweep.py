@@ -1,0 +1,188 @@
+"""What `rigsim sweep --json` prints."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import Field
+
+from rigsim.interop.documents.base import Part, Provenance, Written
+from rigsim.study.result import SweepResult
+
+
+class SweepProvenance(Provenance):
+    """What made the numbers; with `command`, the content of provenance.json."""
+
+    seed: int
+    """Seed of every random number."""
+    points: int
+    """Truth points of each rig."""
+    trials: int
+    """Noisy repetitions of each point."""
+
+
+class Row(Part):
+    """One configuration, predicted, simulated and measured; the columns of sweep.csv."""
+
+    scene: str
+    """Name of the scene."""
+    baseline_mm: float
+    """Distance between the cameras, mm."""
+    focal_px: float
+    """Focal length, px."""
+    hfov_deg: float
+    """Horizontal field of view, degrees."""
+    width_px: int
+    """Image width, px."""
+    height_px: int
+    """Image height, px."""
+    vergence_deg: float
+    """Toe-in angle between the optical axes, degrees."""
+    noise_px: float
+    """Standard deviation of one pixel coordinate, px."""
+    triangulator: str
+    """The method under test."""
+    sensor: str
+    """Lens and sensor of the pictures."""
+    n_points: int
+    """Truth points."""
+    n_trials: int
+    """Noisy repetitions of each."""
+    visible_fraction: float
+    """Points that both cameras see, of those the left one sees."""
+    overlap_fraction: float
+    """Points within the right camera's field of view, hidden or not."""
+    failed_fraction: float | None
+    """Triangulations of visible points that gave no point in front of both cameras."""
+    low_disparity_fraction: float | None
+    """Visible points with a disparity under 4 sigma; they are kept out of every RMS."""
+    depth_median_mm: float | None
+    """Median true depth of the points in the statistics, mm."""
+    depth_bias_mm: float | None
+    """Simulated mean depth error, mm."""
+    depth_rmse_mm: float | None
+    """Simulated RMS depth error, mm."""
+    depth_rmse_ci_low_mm: float | None
+    """Lower end of its 95 % confidence interval, mm."""
+    depth_rmse_ci_high_mm: float | None
+    """Upper end of its 95 % confidence interval, mm."""
+    depth_abs_p50_mm: float | None
+    """Median absolute depth error, mm."""
+    depth_abs_p95_mm: float | None
+    """95th percentile of the absolute depth error, mm."""
+    depth_rmse_pct: float | None
+    """RMS of the depth error over the point's own depth, percent."""
+    point_rmse_mm: float | None
+    """RMS distance between triangulated and true point, mm."""
+    predicted_depth_rmse_mm: float | None
+    """The closed forms' answer for the same points, mm."""
+    predicted_over_simulated: float | None
+    """Ratio of the two."""
+    nees: float | None
+    """Mean normalised squared error: 3 when the predicted covariance is right."""
+    measured_method: str
+    """What was measured in the two pictures: corners, patches, dense or none."""
+    measured_n: int
+    """Matches that count; 0 when nothing was measured."""
+    measured_outlier_fraction: float | None
+    """Matches of nothing that both cameras see, or more than 3 px of disparity off."""
+    measured_pixel_rms_px: float | None
+    """Measured RMS error of one pixel coordinate, px."""
+    measured_disparity_std_px: float | None
+    """Measured standard deviation of the disparity's error, px; over sqrt(2) it is a --noise."""
+    measured_depth_bias_mm: float | None
+    """Mean depth error of the triangulated matches, mm."""
+    measured_depth_rmse_mm: float | None
+    """RMS depth error of the triangulated matches, mm."""
+    measured_depth_abs_p95_mm: float | None
+    """95th percentile of their absolute depth error, mm."""
+    predicted_from_measured_rmse_mm: float | None
+    """The closed forms' answer for them, from the accuracy that the measurement claims for itself, mm."""
+    measured_over_predicted: float | None
+    """Ratio of the two."""
+    measured_within_3_sigma: float | None
+    """Share of the matches whose pixel error is within three of the standard deviations they claim."""
+    agreement: str = Field(pattern="^(agrees$|flagged: )")
+    """agrees, or flagged: and why."""
+
+
+class OverallRow(Row):
+    """One configuration over all depths."""
+
+    limited_by: str
+    """What limits it, in a word or two."""
+
+
+class DepthRow(Row):
+    """One configuration within one bin of true depth; the columns of sweep_by_depth.csv."""
+
+    depth_near_mm: float
+    """Near edge of the bin, mm."""
+    depth_far_mm: float
+    """Far edge of the bin, mm."""
+
+
+class Verdict(Part):
+    """The answer in words."""
+
+    headline: str
+    """The answer in one sentence, with numbers."""
+    sentences: list[str]
+    """What else must be known, a sentence each."""
+    agrees: bool
+    """Whether no row was flagged."""
+
+
+class SweepDocument(Part):
+    """Rigs swept through a scene: predicted, simulated and measured depth error side by side."""
+
+    command: str
+    """The command that was typed."""
+    verdict: Verdict
+    complete: bool
+    """False when the run was interrupted and holds only the rigs done until then (exit code 130)."""
+    swept: list[str]
+    """Columns of the rows that were varied."""
+    best: list[int]
+    """Places in rows of the configurations to take, best first."""
+    lens_note: str | None
+    """What stayed and what changed between resolutions; null when there was but one."""
+    rows: list[OverallRow]
+    """One for each configuration."""
+    by_depth: list[DepthRow]
+    """One for each configuration and bin of depth."""
+    provenance: SweepProvenance
+    written: Written | None
+    """The report; null without --out."""
+
+
+def sweep_document(result: SweepResult, written: Written | None) -> dict[str, Any]:
+    """The whole sweep; `written` is its report, None when none was asked for."""
+    provenance = dict(result.provenance)
+    document = SweepDocument.model_validate(
+        {
+            "command": provenance.pop("command", ""),
+            "verdict": {
+                "headline": _said(result.verdict.headline),
+                "sentences": [_said(sentence) for sentence in result.verdict.sentences],
+                "agrees": result.verdict.agrees,
+            },
+            "complete": result.complete,
+            "swept": list(result.swept),
+            "best": list(result.best),
+            "lens_note": _said(result.lens_note) or None,
+            "rows": [
+                {**row, "limited_by": limit}
+                for row, limit in zip(result.rows.to_dict("records"), result.limits, strict=True)
+            ],
+            "by_depth": result.by_depth.to_dict("records"),
+            "provenance": provenance,
+            "written": written,
+        }
+    )
+    return document.model_dump()
+
+
+def _said(text: str) -> str:
+    """Prose without the code marks that pages set."""
+    return text.replace("`", "")

@@ -1,0 +1,81 @@
+"""One session of recalibration: what the compensator gets to look at."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from rigsim.errors import InvalidRange
+from rigsim.rig.stereo import StereoRig
+from rigsim.study.tolerance import Causes, scattered_points
+from rigsim.study.tolerance_compensator import Compensator
+
+MOST_FEATURES = 1000
+"""More would take memory and tell nothing new: take more pictures instead."""
+_ROW_SAMPLES = 201
+
+
+@dataclass(frozen=True, slots=True)
+class Recalibration:
+    """What the compensator has to work with: by default a quick session with a tape measure.
+
+    Every picture adds: feature noise is taken as independent from picture to picture, and the lenses as
+    having no errors but those of the tolerances. A real session has both, so this is its best case.
+    """
+
+    features: int = 60
+    """Points of unknown place, over the image and the depth range."""
+    pictures: int = 10
+    """Pictures over which each of them is averaged."""
+    noise_px: float = 0.25
+    """Standard deviation of one pixel coordinate in one picture."""
+    length_std_mm: float = 0.5
+    """Standard deviation of the known length."""
+
+    def __post_init__(self) -> None:
+        for name, value, least in (
+            ("features", self.features, 8),
+            ("pictures", self.pictures, 1),
+            ("noise", self.noise_px, 0),
+        ):
+            if not (math.isfinite(value) and value >= least):
+                raise InvalidRange(f"recalibration {name} {value:g}: must be >= {least}")
+        if self.features > MOST_FEATURES:
+            raise InvalidRange(f"recalibration features {self.features}: must be <= {MOST_FEATURES}")
+        if not (math.isfinite(self.length_std_mm) and self.length_std_mm > 0):
+            raise InvalidRange(f"known length's std {self.length_std_mm:g} mm: must be > 0")
+
+    @property
+    def averaged_px(self) -> float:
+        """Standard deviation of one pixel coordinate of a feature over all pictures."""
+        return self.noise_px / math.sqrt(self.pictures)
+
+
+def make_compensator(
+    rig: StereoRig, off: Causes, recalibration: Recalibration, range_m: tuple[float, float]
+) -> Compensator:
+    """The calibration of one rig: features over the range, a length across the middle of the image."""
+    near_m, far_m = range_m
+    before = ~off.after_calibration
+    std = np.sqrt(((off.effect * off.std[:, None])[before] ** 2).sum(axis=0))
+    middle_m = (near_m + far_m) / 2
+    row = np.column_stack(
+        [np.linspace(0, rig.left.width - 1, _ROW_SAMPLES), np.full(_ROW_SAMPLES, (rig.left.height - 1) / 2)]
+    )
+    across = np.column_stack([rig.left.normalize(row) * middle_m, np.full(_ROW_SAMPLES, middle_m)])
+    across = across[rig.right.contains(rig.project(across)[1])]
+    if len(across) < 4:
+        raise InvalidRange(
+            f"depth {middle_m * 1e3:g} mm: too little is in both images to lay a known length there;"
+            " take a larger distance or leave the recalibration out"
+        )
+    return Compensator(
+        rig,
+        scattered_points(rig, near_m, far_m, recalibration.features),
+        across[[len(across) // 4, 3 * len(across) // 4]],
+        std,
+        recalibration.averaged_px,
+        recalibration.length_std_mm / 1e3,
+    )
