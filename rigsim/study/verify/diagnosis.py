@@ -20,6 +20,7 @@ _SCREENED_ROWS, _JUDGED_ROWS = 20, 40
 _SHORTLIST = 14
 _CONVINCING = 0.9
 _WORTH_SAYING = 0.5
+_LIKELY = 0.7
 _MOST = 3
 
 
@@ -43,9 +44,9 @@ def diagnose(results: Sequence[CaseResult]) -> tuple[Diagnosis, ...]:
         if failing:
             ranked += symptoms(results)
         ranked.sort(key=lambda item: -item[0])
-        best = ranked[0][0] if ranked else 0.0
-        if best < _WORTH_SAYING and failing:
-            ranked = [(best, d) for d in last_resort(results)] + ranked
+        best = max((diagnosis.explained for _, diagnosis in ranked), default=0.0)
+        if best < _LIKELY and failing:
+            ranked = [(best, diagnosis) for diagnosis in last_resort(results)] + ranked
     return _worth_saying([d for _, d in ranked])
 
 
@@ -68,7 +69,9 @@ class _Trial:
         failing = evidence.failing
         self.share, self.breaks = _best(evidence, _answers(evidence, mistake, solvers))
         refuted = int((self.breaks & ~failing).sum())
-        self.explained = float(self.share[failing].sum() / max(1, int(failing.sum()) + refuted))
+        weights = evidence.weights
+        total = weights[failing].sum() + refuted
+        self.explained = float((self.share * weights)[failing].sum() / total)
         self.score = self.explained - mistake.cost
 
     @property

@@ -16,6 +16,8 @@ from rigsim.theory.uncertainty import pixel_gain
 
 _SLACK = 30.0
 """A supposed answer breaks a row when it is off by so many tolerances: triangulators round differently."""
+_NOTHING = 0.25
+"""What a NaN weighs beside a wrong point: many mistakes lead to it."""
 _FAR_M = 1e8
 """A point beyond has no parallax worth a name."""
 
@@ -45,6 +47,13 @@ class Evidence:
     allowed: Array
     """Largest error that passes, (N,), m."""
 
+    @property
+    def weights(self) -> Array:
+        """What the cases weigh, (C,): less where little but NaN came back."""
+        answered = np.isfinite(self.found).all(axis=1).astype(np.float64)
+        share = np.bincount(self.case, answered, len(self.results)) / np.bincount(self.case)
+        return np.asarray(_NOTHING + (1 - _NOTHING) * share)
+
     def normalized(self, g: Given) -> tuple[Array, Array]:
         """Ideal normalised coordinates (N, 2) of both pixels as `g` has them."""
         same_left = g.left is self.given.left and g.uv_left is self.given.uv_left
@@ -62,8 +71,8 @@ class Evidence:
             nothing: rows for which a triangulator may well answer nothing, (N,).
 
         Returns:
-            (C,) shares, of the rows that are wrong or should be by supposition, 0 to 1; and (C,) how many
-            those are.
+            (C,) shares, of the rows that are wrong or should be by supposition, 0 to 1; and (C,) what
+            those weigh.
         """
         found_none = ~np.isfinite(self.found).all(axis=1)
         nothing = nothing | ~np.isfinite(supposed).all(axis=1)
@@ -80,9 +89,10 @@ class Evidence:
         share = np.where(found_none, nothing, np.nan_to_num(share)) * wrong * (breaks | ~nowhere)
         counted = wrong | breaks
         cases = len(self.results)
-        count = np.bincount(self.case, weights=counted, minlength=cases)
-        total = np.bincount(self.case, weights=share * counted, minlength=cases)
-        return np.asarray(total / np.maximum(count, 1)), np.asarray(count, dtype=np.float64)
+        weights = np.where(found_none, _NOTHING, 1.0) * counted
+        count = np.bincount(self.case, weights=weights, minlength=cases)
+        total = np.bincount(self.case, weights=share * weights, minlength=cases)
+        return np.asarray(total / np.where(count > 0, count, 1.0)), np.asarray(count, dtype=np.float64)
 
     def _in_front(self, points: Array) -> Mask:
         """Whether points are answers at all."""

@@ -222,6 +222,18 @@ MEANINGS: tuple[Mistake, ...] = (
         after=_with_depth(lambda X, g: (turned(g.R, X) + g.t)[:, 2]),
     ),
     Mistake(
+        "fx-for-fy",
+        "y is divided by fx where fy is meant; x and the depth are right.",
+        after=lambda X, g: np.column_stack([X[:, 0], X[:, 1] * g.left.f[:, 1] / g.left.f[:, 0], X[:, 2]]),
+        cost=0.001,
+    ),
+    Mistake(
+        "fy-for-fx",
+        "x is divided by fy where fx is meant; y and the depth are right.",
+        after=lambda X, g: np.column_stack([X[:, 0] * g.left.f[:, 0] / g.left.f[:, 1], X[:, 1:]]),
+        cost=0.001,
+    ),
+    Mistake(
         "distortion-ignored",
         "x and y are made of the pixel as it was seen, distortion included; the depth is right.",
         after=lambda X, g: np.column_stack([(g.uv_left - g.left.c) / g.left.f * X[:, 2:], X[:, 2]]),

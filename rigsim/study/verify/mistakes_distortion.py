@@ -133,6 +133,19 @@ DISTORTION: tuple[Mistake, ...] = (
         "k1, k2, p1, p2, k3 are read in another order in {}: k3 comes last, after p1 and p2.",
         _bend([0, 1, 3, 4, 2]),
     ),
+    *sides("distortion-k1-k2", "k1 and k2 are exchanged in {}.", _bend([1, 0, 2, 3, 4])),
+    *sides("distortion-k2", "k2 is ignored in {}.", _bend(_KEPT, (1, 0, 1, 1, 1))),
+    *sides(
+        "distortion-tangential",
+        "Tangential distortion (p1, p2) has the wrong sign in {}.",
+        _bend(_KEPT, (1, 1, -1, -1, 1)),
+    ),
+    *sides(
+        "undistortion-unfinished",
+        "Undistortion in {} is the model with opposite signs: right to first order only, iterate instead.",
+        _undone(lambda seen, bend: _distort(seen, -bend)),
+        cost=0.001,
+    ),
     *(
         mistake
         for steps in (1, 2, 3, 4, 5, 6, 8, 10, 15, 20)

@@ -33,6 +33,7 @@ def fitted(evidence: Evidence, results: Sequence[CaseResult]) -> Iterator[Mistak
     if rows.sum() >= _FEW:
         found, right = evidence.found[rows], evidence.right[rows]
         yield from _scales(evidence, rows, found, right)
+        yield _undivided(evidence)
         yield _shift(found, right)
         yield _pixel_offset(evidence, rows)
         yield from _by_case(evidence, rows)
@@ -82,6 +83,21 @@ def _scales(evidence: Evidence, rows: Mask, found: Array, right: Array) -> Itera
             lambda g: replace(g, t=kz * g.t),
             cost=0.009,
         )
+
+
+def _undivided(evidence: Evidence) -> Mistake:
+    # a null vector may come with either sign
+    signs = np.where(np.sum(evidence.found * evidence.right, axis=1) < 0, -1.0, 1.0)
+
+    def undivided(X: Array, g: Given) -> Array:
+        return np.asarray(X * (signs / np.sqrt(1 + np.sum(X**2, axis=1)))[:, None])
+
+    return Mistake(
+        "homogeneous-answer",
+        "Homogeneous coordinates are not divided by the fourth.",
+        after=undivided,
+        cost=0.002,
+    )
 
 
 def _shift(found: Array, right: Array) -> Mistake:

@@ -115,16 +115,24 @@ PIXELS: tuple[Mistake, ...] = (
         "image-centre-for-principal-point",
         f"The middle of the picture, (W-1)/2, stands for the principal point in {{}}: {_PRINCIPAL}.",
         _middle(1.0),
+        cost=0.001,
     ),
     *sides(
         "image-centre-for-principal-point",
         f"W/2 stands for the principal point in {{}}: half a pixel too much, and {_PRINCIPAL}.",
         _middle(0.0),
+        cost=0.001,
     ),
     *sides(
         "principal-point-missing",
         "The principal point is not subtracted in {}: pixels count from the corner.",
         lambda lens: replace(lens, c=0 * lens.c),
+    ),
+    *sides(
+        "intrinsics-missing",
+        "Pixels are taken for rays in {}: K is not undone.",
+        lambda lens: replace(lens, c=0 * lens.c, f=0 * lens.f + 1),
+        cost=0.001,
     ),
     *(
         Mistake(

@@ -11,6 +11,8 @@ import numpy as np
 from rigsim.rig.arrays import Array
 from rigsim.study.verify.result import CaseResult, Diagnosis
 
+_LOST_DIGITS_PX = 5e-3
+
 
 class Mark(NamedTuple):
     """What one case shows."""
@@ -114,15 +116,10 @@ def statistics(result: CaseResult) -> Iterator[Mark]:
 def last_resort(results: Sequence[CaseResult]) -> list[Diagnosis]:
     """What can be said when no mistake fits: which rigs fail, and how the errors look."""
     failing = [result for result in results if result.status() == "failed"]
-    exact = [
-        result for result in failing if result.case.covariance_px2 is None and result.case.answerable.any()
-    ]
-    said = " ".join(part for part in (_which(results), _how(exact)) if part)
-    return [
-        Diagnosis(
-            "unknown", said or "No known mistake explains it.", 0.0, tuple(r.case.name for r in failing)
-        )
-    ]
+    exact = [r for r in failing if r.case.covariance_px2 is None and r.case.answerable.any()]
+    name, how = _how(exact)
+    says = " ".join(part for part in (_which(results), how) if part)
+    return [Diagnosis(name, says, 0.0, tuple(result.case.name for result in failing))]
 
 
 _FEATURES: tuple[tuple[str, Callable[[CaseResult], bool]], ...] = (
@@ -156,7 +153,8 @@ def _which(results: Sequence[CaseResult]) -> str:
     return f"{sum(failing)} of {len(judged)} cases fail."
 
 
-def _how(exact: Sequence[CaseResult]) -> str:
+def _how(exact: Sequence[CaseResult]) -> tuple[str, str]:
+    """A name, and what the errors look like."""
     offsets, relative = [], []
     for result in exact:
         case, found = result.case, result.found_left
@@ -167,23 +165,32 @@ def _how(exact: Sequence[CaseResult]) -> str:
         offsets.append(np.hstack(case.rig.project(found[both])) - np.hstack(case.rig.project(truth)))
         relative.append(found[both, 2] / truth[:, 2])
     if not offsets:
-        return "No known mistake explains it."
+        return "unknown", "No known mistake explains it."
     px, depth = np.concatenate(offsets), np.concatenate(relative)
     px = px[np.isfinite(px).all(axis=1)]
     if not len(px):
-        return "No point that comes back is in front of both cameras."
+        return "unknown", "No point that comes back is in front of both cameras."
     scatter, lean = float(np.median(np.abs(px))), float(np.abs(np.median(px, axis=0)).max())
+    spread = float(np.median(np.abs(depth - 1)))
+    if lean < 0.2 * scatter and scatter < _LOST_DIGITS_PX:
+        return (
+            "single-precision",
+            f"Errors look like noise, about {scatter:.1g} px: what single precision (float32) "
+            "costs, or a step "
+            "for numerical derivatives, or an iteration that stops early.",
+        )
     if lean < 0.2 * scatter:
         return (
+            "random-errors",
             f"Errors look like noise: about {scatter:.2g} px either way, without a direction, and depths "
-            f"{float(np.median(np.abs(depth - 1))):.2g} of themselves; look for random numbers, "
-            "too few digits or an iteration that "
-            "stops early."
+            f"{spread:.2g} of themselves; look for random numbers, wrong matches or an iteration "
+            "that stops early.",
         )
     return (
-        f"Points project about {scatter:.2g} px from their pixels (mean direction "
-        f"{numbers(np.median(px, axis=0))} px), and depths are "
-        f"{float(np.median(depth)):.4g} times the true ones."
+        "unknown",
+        f"Points project about {scatter:.2g} px from their pixels (typically "
+        f"{numbers(np.median(px, axis=0))} px in u, v of the left and of the right image), and depths are "
+        f"{float(np.median(depth)):.4g} times the true ones.",
     )
 
 
