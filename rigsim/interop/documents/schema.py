@@ -6,6 +6,7 @@ from typing import Any
 
 from rigsim.interop.documents.base import Part
 from rigsim.interop.documents.calc import CalcDepthDocument, CalcLimitsDocument, CalcPointDocument
+from rigsim.interop.documents.compare import CompareDocument
 from rigsim.interop.documents.design import DesignDocument
 from rigsim.interop.documents.infer import InferDocument
 from rigsim.interop.documents.listings import (
@@ -26,6 +27,7 @@ DOCUMENTS: dict[str, tuple[str, type[Part]]] = {
     "design": ("rigsim design --json", DesignDocument),
     "tolerance": ("rigsim tolerance --json", ToleranceDocument),
     "infer": ("rigsim infer --json", InferDocument),
+    "compare": ("rigsim compare --json", CompareDocument),
     "calc-point": ("rigsim calc point --json", CalcPointDocument),
     "calc-depth": ("rigsim calc depth --json", CalcDepthDocument),
     "calc-limits": ("rigsim calc limits --json", CalcLimitsDocument),
