@@ -181,6 +181,13 @@ def test_the_rows_of_a_case_are_the_same_whatever_else_is_asked_for() -> None:
     assert all(np.array_equal(alone[name].uv_left, beside[name].uv_left) for name in alone)
 
 
+def test_every_case_says_by_itself_what_it_shows() -> None:
+    for geometry in GEOMETRIES:
+        about = noisy(geometry, 1, stream(0, "x")).about
+        assert about.startswith(exact(geometry, 1, stream(0, "x")).about)
+        assert f"{geometry.noise_px:g} px of noise" in about
+
+
 def test_one_that_never_comes_back_is_asked_three_times() -> None:
     calls = []
 

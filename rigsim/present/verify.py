@@ -142,29 +142,18 @@ def _section(one: TriangulatorResult, strict: bool, again: Sequence[str], prefix
         [(case.case.name, case.error) for case in bad if case.error],
         [f"{case.case.name}: {note}" for case in one.results for note in case.notes],
         words.diagnoses(one.diagnoses),
-        [
-            _failing(case, _about(case, one), strict, f"{prefix}c{place}")
-            for place, case in enumerate(detailed)
-        ],
+        [_failing(case, strict, f"{prefix}c{place}") for place, case in enumerate(detailed)],
         rerun(one, strict, again) if bad and again else "",
     )
 
 
-def _about(result: CaseResult, one: TriangulatorResult) -> str:
-    """What a case shows; a later one of its group only says how it differs from the first."""
-    case = result.case
-    first = next(other.case for other in one.results if other.case.group == case.group)
-    same_rig = first is not case and case.about.startswith("The same")
-    return f"{first.about} {case.about}" if same_rig else case.about
-
-
-def _failing(result: CaseResult, about: str, strict: bool, name: str) -> FailingCase:
+def _failing(result: CaseResult, strict: bool, name: str) -> FailingCase:
     case, checks = result.case, words.failures(result, strict)
     figure = Markup("")
     if _has_points(result):
         figure = Markup(style.to_svg(case_figure(result), name, f"Errors in {case.name}"))
     says = tuple(f"{words.sentence(check)}. {check.why}" for check in checks)
-    return FailingCase(case.name, about, checks, says, figure, worst_table(result))
+    return FailingCase(case.name, case.about, checks, says, figure, worst_table(result))
 
 
 def _has_points(result: CaseResult) -> bool:

@@ -26,7 +26,7 @@ class Case:
     kind: Kind
     """What must hold."""
     about: str
-    """What it shows, one sentence."""
+    """What it shows, in a sentence or two that stand alone."""
     rig: StereoRig
     """The rig that the triangulator is given."""
     uv_left: Array

@@ -63,7 +63,8 @@ def scene_cases(simulator: Simulator, rig: StereoRig, n: int, stream: Stream) ->
         f"{scene} noisy",
         scene,
         "noisy",
-        f"The same with {NOISE_PX:g} px of noise.",
+        f"Surfaces of the scene {scene}, where both cameras see them, with {NOISE_PX:g} px of noise in every "
+        "coordinate: errors must be of the size that it causes.",
         rig,
         noisy_left,
         noisy_right,

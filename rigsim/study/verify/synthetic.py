@@ -185,7 +185,8 @@ def noisy(geometry: Geometry, n: int, rng: np.random.Generator) -> Case:
         f"{geometry.name} noisy",
         geometry.name,
         "noisy",
-        f"The same with {geometry.noise_px:g} px of noise: errors must be of the size that it causes.",
+        f"{geometry.about} With {geometry.noise_px:g} px of noise in every coordinate, errors must be of the "
+        "size that it causes.",
         geometry.rig,
         uv_left,
         uv_right,
