@@ -17,7 +17,7 @@ HEADS = (
     "triangulator",
     "pixel error\nover bound",
     "over\nfirst",
-    "depth\nbias, σ",
+    "bias beyond\nexpected, σ",
     "lost\n%",
     "expected\n%",
     "million\npoints/s",
@@ -77,7 +77,9 @@ def _row(row: dict[Any, Any]) -> tuple[str, ...]:
         str(row["triangulator"]),
         _with_error(row["pixel_error_over_bound"], row["pixel_error_over_bound_se"]),
         _factor(row["pixel_error_over_first"]),
-        _with_error(row["depth_bias_over_std"], row["depth_bias_over_std_se"]),
+        _with_error(
+            row["depth_bias_over_std"] - row["expected_depth_bias_over_std"], row["depth_bias_over_std_se"]
+        ),
         percent(row["failed_share"]),
         percent(row["expected_failed_share"]) if row["expected_failed_share"] > 5e-8 else "0",
         _speed(row["points_per_second"] / 1e6),

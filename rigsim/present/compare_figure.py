@@ -35,6 +35,7 @@ _TICK, _LABEL = 7.5, 8.0
 _LETTER_IN = 0.063
 _LONGEST = 34
 _DODGE = 1.09
+_ASIDE = 1.35  # of the noise axis, beyond its levels
 _TWO_SIDED = 1.96  # standard errors of 95 %
 _DASHES: tuple[Any, ...] = (
     "-",
@@ -168,7 +169,7 @@ def _draw_geometry(
     _draw_failures(panels[2], rows, part, looks)
     _draw_speeds(speed, rows, part, looks)
     for axes in panels:
-        _noise_axis(axes, result.plan.noises_px, labelled=axes is panels[-1])
+        _noise_axis(axes, result.plan.noises_px, width, labelled=axes is panels[-1])
     panels[-1].set_xlabel("noise, px", fontsize=_LABEL, labelpad=1)
     words = ("pixel error above\nthe bound, %", "depth bias, σ", "lost\npoints, %", "million\npoints / s")
     for axes, label in zip((*panels, speed), words, strict=True):
@@ -262,18 +263,18 @@ def _wide(noise: Array) -> Array:
     return np.concatenate([[noise.min() / 1.5], noise, [noise.max() * 1.5]])
 
 
-def _noise_axis(axes: Axes, noises_px: tuple[float, ...], *, labelled: bool) -> None:
+def _noise_axis(axes: Axes, noises_px: tuple[float, ...], width_in: float, *, labelled: bool) -> None:
     noises = sorted(noises_px)
     axes.set_xscale("log")
-    axes.set_xlim(noises[0] / 1.35, noises[-1] * 1.35)
-    ticks = sorted({noises[0], noises[len(noises) // 2], noises[-1]})
-    # two labels that stand too near each other cannot be read
-    room = (noises[-1] / noises[0]) ** 0.25
-    kept = [
-        tick
-        for tick in ticks
-        if tick in (noises[0], noises[-1]) or noises[0] * room < tick < noises[-1] / room
-    ]
+    axes.set_xlim(noises[0] / _ASIDE, noises[-1] * _ASIDE)
+    kept: list[float] = []
+    span = np.log(noises[-1] / noises[0]) + 2 * np.log(_ASIDE)
+    for tick in (noises[0], noises[-1], noises[len(noises) // 2]):
+        # labels that touch cannot be read
+        letters = [(len(plain(tick, 3)) + len(plain(other, 3))) / 2 + 1 for other in kept]
+        apart_in = [abs(np.log(tick / other)) / span * width_in for other in kept]
+        if all(there >= _LETTER_IN * n for there, n in zip(apart_in, letters, strict=True)):
+            kept.append(tick)
     axes.xaxis.set_major_locator(FixedLocator(kept))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: plain(value, 3)))
