@@ -9,10 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rigsim.cli.app import run
 from rigsim.errors import OutputError
 from rigsim.interop.golden_files import read_golden, write_golden
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
+from rigsim.sim import library
 from rigsim.sim.simulator import Simulator
 from rigsim.study.verify.golden import Number, Record, compare, scene_record, triangulator_record
 from rigsim.study.verify.rendered import scene_rig
@@ -117,3 +119,48 @@ def test_edited_or_cut_files_are_told_in_one_line(
 def test_a_missing_folder_is_told(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match="does not exist; make it with rigsim verify --update"):
         read_golden(tmp_path / "none", ["scene-x"])
+
+
+def test_the_repository_s_golden_results_hold(capsys: pytest.CaptureFixture[str]) -> None:
+    golden = Path(__file__).resolve().parents[1] / "reports" / "golden"
+    code = run(["verify", "--triangulator", "optimal,dlt,midpoint,cv2,rectified", "--golden", str(golden)])
+    said = capsys.readouterr().out
+    assert code == 0, said
+    assert "Without a golden value" not in said
+
+
+def test_update_writes_what_the_next_run_is_held_to(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(library, "names", lambda: ["bin"])
+    folder = str(tmp_path / "golden")
+    assert run(["verify", "--update", "--golden", folder]) == 0
+    assert "Wrote 2 golden files" in capsys.readouterr().out
+    held = ["verify", "--golden", folder, "--cases", "near,bin", "--scene", "bin"]
+    assert run(held) == 0
+    assert "moved" not in capsys.readouterr().out
+    path = tmp_path / "golden" / "triangulator-optimal.csv"
+    old = Record("triangulator-optimal", ABOUT, (Number("near noisy, depth RMS", 9.9, "mm", 0, 0.01),))
+    write_golden(path.parent, [old])
+    assert run(held) == 3
+    said = capsys.readouterr().out
+    assert "seed was" not in said
+    assert any(
+        line.split()[0] == "triangulator-optimal" and line.endswith("moved") and "9.90 mm" in line
+        for line in said.splitlines()
+        if line
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--golden", "nowhere"], "golden folder nowhere: does not exist; make it with"),
+        (["--update", "--cases", "near"], "golden results hold every case"),
+    ],
+)
+def test_golden_options_that_cannot_be(
+    words: list[str], says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["verify", *words]) in (1, 2)
+    assert says in capsys.readouterr().err

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from rigsim.rig.arrays import Array
+from rigsim.study.verify.golden import VERDICTS, GoldenReport
 from rigsim.study.verify.result import CaseResult, Check, Status, TriangulatorResult, VerifyResult
 from rigsim.study.verify.runner import FALSE_ALARM
 from rigsim.study.verify.worst import WorstRow, worst_rows
@@ -13,17 +14,50 @@ from rigsim.study.verify.worst import WorstRow, worst_rows
 _STATUSES: tuple[Status, ...] = ("passed", "inefficient", "failed", "error", "not applicable")
 
 
-def verify_document(result: VerifyResult, strict: bool = False) -> dict[str, Any]:
-    """The verification with stable keys and units in their names; null where there is no number."""
+def verify_document(
+    result: VerifyResult, strict: bool = False, golden: GoldenReport | None = None
+) -> dict[str, Any]:
+    """The verification with stable keys and units in their names; null where there is no number.
+
+    Args:
+        result: the verification.
+        strict: whether efficiency counts.
+        golden: how it compares with golden results; None when it was not asked.
+    """
     return {
-        "passed": result.passed(strict),
+        "passed": result.passed(strict) and (golden is None or golden.passed),
         "strict": strict,
         "suite": result.suite,
         "seed": result.seed,
         "false_alarm": FALSE_ALARM,
         "triangulators": [_triangulator(one, strict) for one in result.triangulators],
         "left_out": list(result.left_out),
+        "golden": None if golden is None else _golden(golden),
         "provenance": dict(result.provenance),
+    }
+
+
+def _golden(golden: GoldenReport) -> dict[str, Any]:
+    comparison = golden.comparison
+    return {
+        "folder": golden.folder,
+        "passed": golden.passed,
+        "counts": {name.replace(" ", "_"): comparison.count(name) for name in VERDICTS},
+        "moves": [
+            {
+                "record": move.record,
+                "number": move.number,
+                "unit": move.unit,
+                "before": _finite(move.before),
+                "now": _finite(move.now),
+                "bound": _finite(move.bound),
+                "verdict": move.verdict,
+            }
+            for move in comparison.moves
+            if move.verdict != "same"
+        ],
+        "remarks": list(comparison.remarks),
+        "troubles": list(golden.troubles),
     }
 
 

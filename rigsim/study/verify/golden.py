@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 
@@ -14,6 +14,8 @@ from rigsim.sim.simulator import Simulator
 from rigsim.study.verify.result import CaseResult, TriangulatorResult
 
 Verdict: TypeAlias = Literal["same", "within tolerance", "within noise", "moved", "new", "gone"]
+VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
+"""What may have become of a golden number."""
 
 DEPTH_ALLOWED_M = 1e-9
 """What a depth found by rays may differ by, m: other processors round differently."""
@@ -95,6 +97,25 @@ class Comparison:
         return not (self.count("moved") or self.count("gone"))
 
 
+@dataclass(frozen=True, slots=True)
+class GoldenReport:
+    """How things stand with the golden results of a folder."""
+
+    folder: str
+    """The folder."""
+    comparison: Comparison
+    """All numbers, then and now."""
+    troubles: tuple[str, ...] = ()
+    """Files that could not be read, a line each."""
+    written: tuple[str, ...] = ()
+    """Files that were written anew; what moved is then no failure."""
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing moved, or it was meant to."""
+        return bool(self.written) or (self.comparison.passed and not self.troubles)
+
+
 def scene_record(simulator: Simulator, rig: StereoRig, about: Mapping[str, str]) -> Record:
     """Depth of a grid of left pixels by rays, and the colour of the picture around them where there is GL."""
     simulator.place(rig)
@@ -118,16 +139,21 @@ def scene_record(simulator: Simulator, rig: StereoRig, about: Mapping[str, str])
 
 
 def triangulator_record(result: TriangulatorResult, about: Mapping[str, str]) -> Record:
-    """Size of the errors in every noisy or measured case, and how many rows came back in every case."""
+    """Size of the errors in every noisy or measured case, and how many rows did not come back in any case."""
     numbers = (number for case in result.results for number in _case_numbers(case))
     name = "".join(letter if letter.isalnum() else "-" for letter in result.triangulator)
     return Record(f"triangulator-{name}", about, tuple(map(_rounded, numbers)))
 
 
-def compare(golden: Sequence[Record], now: Sequence[Record]) -> Comparison:
+def compare(golden: Sequence[Record], now: Sequence[Record], partial: bool = False) -> Comparison:
     """Hold records against golden ones of the same names; golden ones that were not made again are skipped.
 
     Colours are left out where nothing drew them now.
+
+    Args:
+        golden: what was written once.
+        now: what was made again.
+        partial: whether only some cases were run, so that a missing number is not a lost one.
     """
     before = {record.name: record for record in golden}
     moves: list[Move] = []
@@ -148,7 +174,14 @@ def compare(golden: Sequence[Record], now: Sequence[Record]) -> Comparison:
             remarks.append(f"{record.name}: colours not compared, there is no GL renderer here")
             old_numbers = tuple(number for number in old_numbers if number.unit != _GREY)
         moves.extend(_moves(record.name, old_numbers, record.numbers))
-    return Comparison(tuple(moves), tuple(remarks))
+    kept = (move for move in moves if not (partial and move.verdict == "gone"))
+    return Comparison(tuple(kept), tuple(remarks))
+
+
+def rig_words(rig: StereoRig) -> str:
+    """A rig in a few words, as the head of a golden file has it."""
+    left = rig.left
+    return f"{left.width}x{left.height} px, focal {left.fx:g} px, baseline {rig.baseline_m * 1e3:g} mm"
 
 
 def _has_colours(record: Record) -> bool:
@@ -160,7 +193,7 @@ def _case_numbers(result: CaseResult) -> Iterator[Number]:
     if found is None or not case.answerable.any():
         return
     asked = case.answerable & np.isfinite(found).all(axis=1)
-    yield Number(f"{case.name}, answered", float(asked.sum()), "rows")
+    yield Number(f"{case.name}, unanswered", float(case.answerable.sum() - asked.sum()), "rows")
     if case.kind not in ("noisy", "measured") or not math.isfinite(result.efficiency):
         return
     square = (found[asked, 2] - case.points_left[asked, 2]) ** 2

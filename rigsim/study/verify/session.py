@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,6 +10,8 @@ from rigsim.errors import InvalidRange, InvalidScene, RigsimError
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.provenance import versions
 from rigsim.study.verify.case import Case
+from rigsim.study.verify.golden import Record, rig_words, scene_record, triangulator_record
+from rigsim.study.verify.rendered import scene_rig
 from rigsim.study.verify.result import CaseResult, VerifyResult
 from rigsim.study.verify.runner import verify
 from rigsim.study.verify.suite import scene_cases, selected, synthetic_cases
@@ -122,3 +124,26 @@ def _of_scene(selection: Selection, scene: str, name: str, left_out: list[str]) 
 
 def _scene_name(path: Path) -> str:
     return path.parent.name if path.name == "scene.xml" else path.stem
+
+
+def golden_records(result: VerifyResult, scenes: Sequence[str]) -> list[Record]:
+    """What a verification and the scenes give now, to be written as golden or held against it.
+
+    Args:
+        result: the verification.
+        scenes: scenes by name or path, each with the rig that it is made for.
+
+    Raises:
+        InvalidScene: no such scene.
+    """
+    from rigsim.sim.simulator import Simulator
+
+    made_by = {name: str(result.provenance[name]) for name in ("rigsim", "mujoco")}
+    records = []
+    for scene in scenes:
+        with Simulator(scene) as simulator:
+            rig = scene_rig(simulator.scene.name)
+            about = {**made_by, "rig": rig_words(rig), "renderer": simulator.backend}
+            records.append(scene_record(simulator, rig, about))
+    about = {**made_by, "suite": result.suite, "seed": str(result.seed)}
+    return [*records, *(triangulator_record(one, about) for one in result.triangulators)]
