@@ -2,7 +2,7 @@
 
 A name, as `rigsim.study.verify.result.Diagnosis.mistake` has it, and after a space words that its
 sentence must hold. None where no name of those that there were would lead to the mistake. `centre-exchanged`
-and `own-noise` were judged by the sentences that came back.
+and `own-noise` were judged by the sentences that came back, `file-four-digits` by a name that came later.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ NAMES: Mapping[str, tuple[str, ...]] = {
     "file-k3-dropped": ("distortion-k3",),
     "file-k3-third": ("distortion-order",),
     "file-corner-origin": ("half-pixel", "pixel-offset 0.5"),
-    "file-four-digits": (),
+    "file-four-digits": ("rounded-calibration",),
     "file-projections-of-raw-pixels": ("treated-as-rectified",),
 }
 
