@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import sys
 from pathlib import Path
@@ -12,6 +11,8 @@ from xml.etree import ElementTree
 import pytest
 
 from rigsim.cli.app import run
+from rigsim.study.verify import session
+from tests.documents import valid
 
 PAGE = (Path(__file__).resolve().parent.parent / "docs" / "verify.md").read_text(encoding="utf-8")
 FEW = ["verify", "--scene", "none"]
@@ -56,9 +57,7 @@ def beside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def document(capsys: pytest.CaptureFixture[str], *words: str, code: int = 0) -> dict[str, Any]:
     assert run([*FEW, "--json", *words]) == code
-    read = json.loads(capsys.readouterr().out)
-    assert isinstance(read, dict)
-    return read
+    return valid("verify", capsys.readouterr().out)
 
 
 def test_the_default_passes(capsys: pytest.CaptureFixture[str]) -> None:
@@ -154,7 +153,7 @@ def test_the_files(beside: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run([*FEW, *words]) == 3
     assert "Report: out/verify.html" in capsys.readouterr().out
     assert {path.name for path in (beside / "out").iterdir()} == {"verify.html", "verify.json", "junit.xml"}
-    said = json.loads((beside / "out" / "verify.json").read_text(encoding="utf-8"))
+    said = valid("verify", (beside / "out" / "verify.json").read_text(encoding="utf-8"))
     (one,) = said["triangulators"]
     assert not said["passed"]
     suite = ElementTree.parse(beside / "j.xml").getroot()[0]
@@ -209,7 +208,11 @@ def test_the_page_says_what_every_key_means(capsys: pytest.CaptureFixture[str]) 
     assert {key for key in keys if f"`{key}`" not in section} == set()
 
 
-def test_the_pages_function_fails_as_shown(beside: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_pages_function_fails_as_shown(
+    beside: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    every = session.gather(session.Selection())
+    monkeypatch.setattr(session, "gather", lambda *_: every)  # the cases are the same both times
     (source,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
     wrong, right = "(right, left, uv_left.T", "(left, right, uv_left.T"
     assert source.count(wrong) == 1
@@ -266,6 +269,7 @@ def test_the_same_seed_says_the_same(capsys: pytest.CaptureFixture[str]) -> None
         (["--exec", "no-such-program"], "program 'no-such-program'", 1),
         (["--seed", "-1"], "seed -1: must be >= 0", 2),
         (["--timeout", "0"], "timeout 0 s: must be > 0", 2),
+        (["--list", "--json"], "list: prints no JSON; leave out --json", 2),
         (["--timeout", "soon"], "timeout soon: must be a number", 2),
         (["--scene", "boards"], "scene none: given with others; remove one or the other", 2),
         (["--rig", "no.toml"], "no.toml: cannot be read", 1),

@@ -25,7 +25,7 @@ from tests.documents import SCHEMAS, schema, valid, validator
 
 PAGE = (SCHEMAS.parent / "json.md").read_text(encoding="utf-8")
 
-UNITS = re.compile(r"_(mm|px|deg|um|e|pct|fraction|share)$")
+UNITS = re.compile(r"_(mm|m|px|deg|um|e|pct|fraction|share)$")
 WITHOUT_UNIT = {
     *("n", "n_matches", "n_tried", "n_truth", "n_points", "n_trials", "measured_n"),  # counts
     *("count", "measured_count", "points", "trials", "rigs", "cameras_tried", "bits"),
@@ -37,6 +37,10 @@ WITHOUT_UNIT = {
     *("pixel_error_over_bound", "pixel_error_over_bound_se", "bound_se", "depth_error_over_bound"),
     *("pixel_error_over_first", "pixel_error_over_first_se", "speed_over_first", "expected_failed_share_se"),
     *("depth_bias_over_std", "depth_bias_over_std_se", "expected_depth_bias_over_std", "points_per_second"),
+    *("rows", "row", "passed", "inefficient", "failed", "error", "not_applicable"),  # counts of verify
+    *("same", "within_tolerance", "within_noise", "moved", "new", "gone", "efficiency"),
+    *("false_alarm", "explained"),  # shares
+    "seconds",
     "pixels",
     "value",  # a published figure, whose `quantity` ends in its unit
     *("smallest", "median", "largest"),  # of a quantity that names its unit

@@ -36,8 +36,8 @@ class SeenRig(Rig):
     """Horizontal field of view of the left camera, degrees."""
 
 
-class Provenance(Part):
-    """What made the numbers: versions, renderer and scene."""
+class Versions(Part):
+    """Versions of what made the numbers."""
 
     rigsim: str
     """Version of rigsim."""
@@ -53,6 +53,11 @@ class Provenance(Part):
     """Version of Matplotlib."""
     python: str
     """Version of Python."""
+
+
+class Provenance(Versions):
+    """What made the numbers: versions, renderer and scene."""
+
     renderer: str
     """What rendered: rays, or the GL library's own name for itself."""
     scene: str

@@ -19,6 +19,7 @@ from rigsim.interop.documents.measure import MeasureDocument
 from rigsim.interop.documents.render import RenderDocument
 from rigsim.interop.documents.sweep import SweepDocument
 from rigsim.interop.documents.tolerance import ToleranceDocument
+from rigsim.interop.documents.verify import VerifyDocument
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 
@@ -27,6 +28,7 @@ DOCUMENTS: dict[str, tuple[str, type[Part]]] = {
     "design": ("rigsim design --json", DesignDocument),
     "tolerance": ("rigsim tolerance --json", ToleranceDocument),
     "infer": ("rigsim infer --json", InferDocument),
+    "verify": ("rigsim verify --json", VerifyDocument),
     "compare": ("rigsim compare --json", CompareDocument),
     "calc-point": ("rigsim calc point --json", CalcPointDocument),
     "calc-depth": ("rigsim calc depth --json", CalcDepthDocument),
