@@ -15,7 +15,7 @@ from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.diagnosis import diagnose
-from rigsim.study.verify.result import CaseResult, Diagnosis
+from rigsim.study.verify.result import Diagnosis
 from rigsim.study.verify.runner import run_case, verify
 from rigsim.study.verify.suite import stream, synthetic_cases
 from rigsim.study.verify.synthetic import Geometry, exact
@@ -335,13 +335,12 @@ def test_a_run_carries_its_diagnosis() -> None:
 
 
 def test_cases_that_pass_refute(cases: list[Case]) -> None:
-    """The same wrong answers in one case, with and without a case that shows them to be of another kind."""
-    doffs = next(case for case in cases if case.name == "doffs exact")
-    rectified = next(case for case in cases if case.name == "rectified exact")
-    wrong = Believed("linear", no_doffs)
-    shifted = run_case(doffs, "one", wrong, 1e-6)
-    passing: CaseResult = run_case(rectified, "one", wrong, 1e-6)
-    first, *_ = diagnose([passing, shifted])
-    assert first.mistake == "doffs-ignored"
-    assert "pixel-offset" not in [d.mistake for d in diagnose([passing, shifted])]
-    assert "pixel-offset" in [d.mistake for d in diagnose([shifted])]
+    """One wrong case alone leaves two explanations; a case that passes leaves one."""
+    doffs, off_centre = (
+        run_case(next(case for case in cases if case.name == name), "one", Believed("linear", no_doffs), 1e-6)
+        for name in ("doffs exact", "off-centre exact")
+    )
+    other = "image-centre-for-principal-point"
+    assert other in [diagnosis.mistake for diagnosis in diagnose([doffs])]
+    assert diagnose([off_centre, doffs])[0].mistake == "doffs-ignored"
+    assert other not in [diagnosis.mistake for diagnosis in diagnose([off_centre, doffs])]

@@ -14,7 +14,7 @@ from rigsim.study.verify.mistakes_fitted import fitted
 from rigsim.study.verify.reenact import QUICK, SOLVERS, Solver, behind
 from rigsim.study.verify.result import CaseResult, Diagnosis
 from rigsim.study.verify.symptoms import symptoms
-from rigsim.study.verify.symptoms_plain import broken, last_resort
+from rigsim.study.verify.symptoms_plain import broken, last_resort, wasteful
 
 _SCREENED_ROWS, _JUDGED_ROWS = 20, 40
 _SHORTLIST = 14
@@ -33,7 +33,7 @@ def diagnose(results: Sequence[CaseResult]) -> tuple[Diagnosis, ...]:
     """
     wrong = [result for result in results if result.status() in ("failed", "error")]
     if not wrong:
-        return ()
+        return wasteful(results)
     with np.errstate(all="ignore"):
         told = broken(results)
         ranked = [(d.explained, d) for d in told]

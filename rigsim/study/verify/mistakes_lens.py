@@ -207,6 +207,34 @@ def _rounded(step: float) -> Callable[[Array], Array]:
     return lambda uv: np.round(uv / step) * step
 
 
+def _rounded_one(side: Literal["left", "right"], step: float) -> Before:
+    change = _rounded(step)
+    if side == "left":
+        return lambda g: replace(g, uv_left=change(g.uv_left))
+    return lambda g: replace(g, uv_right=change(g.uv_right))
+
+
+def _short(values: Array, digits: int, significant: bool) -> Array:
+    if not significant:
+        return np.asarray(np.round(values, digits))
+    scale = 10.0 ** (digits - 1 - np.floor(np.log10(np.where(values == 0, 1.0, np.abs(values)))))
+    return np.asarray(np.round(values * scale) / scale)
+
+
+def _short_rig(digits: int, significant: bool) -> Before:
+    def lens(camera: Lenses) -> Lenses:
+        f, c, bend = (_short(values, digits, significant) for values in (camera.f, camera.c, camera.bend))
+        return replace(camera, f=f, c=c, bend=bend)
+
+    return lambda g: replace(
+        g,
+        left=lens(g.left),
+        right=lens(g.right),
+        R=_short(g.R, digits, significant),
+        t=_short(g.t, digits, significant),
+    )
+
+
 _ROUNDED = "Pixels are rounded to {} before use: an integer type, or a step of the matcher."
 NUMBERS: tuple[Mistake, ...] = (
     Mistake("rounded-pixels", _ROUNDED.format("whole pixels"), _pixels(np.round)),
@@ -215,6 +243,26 @@ NUMBERS: tuple[Mistake, ...] = (
     *(
         Mistake("rounded-pixels", _ROUNDED.format(f"1/{n} px"), _pixels(_rounded(1 / n)))
         for n in (2, 4, 8, 10, 16, 32, 100, 256)
+    ),
+    *(
+        Mistake(
+            "rounded-pixels",
+            f"Pixels of the {side} image are rounded to {step} px: an integer type, or a matcher's step.",
+            _rounded_one(side, size),
+            cost=0.002,
+        )
+        for side in _SIDES
+        for step, size in (("whole", 1.0), ("1/2", 0.5), ("1/4", 0.25), ("1/8", 0.125), ("1/16", 0.0625))
+    ),
+    *(
+        Mistake(
+            "rounded-calibration",
+            f"The calibration was written with {digits} {what}: 17 significant digits hold a double.",
+            _short_rig(digits, significant),
+            cost=0.003,
+        )
+        for digits in range(2, 9)
+        for what, significant in (("decimals", False), ("significant digits", True))
     ),
     *(
         Mistake(

@@ -48,6 +48,10 @@ def _euler(
     return lambda R: Rotation.from_euler(written, change(Rotation.from_matrix(R).as_euler(read))).as_matrix()
 
 
+def _vector_as_euler(order: Axes) -> Callable[[Array], Array]:
+    return lambda R: Rotation.from_euler(order, Rotation.from_matrix(R).as_rotvec()).as_matrix()
+
+
 def _quaternion_order(order: list[int]) -> Callable[[Array], Array]:
     return lambda R: Rotation.from_quat(Rotation.from_matrix(R).as_quat()[:, order]).as_matrix()
 
@@ -217,6 +221,15 @@ POSE: tuple[Mistake, ...] = (
             ("is lost", 0.0, 1.0),
             ("alone is used", 1.0, 0.0),
         )
+    ),
+    *(
+        Mistake(
+            "euler-order",
+            f"The rotation vector's three numbers are taken for Euler angles ({order}).",
+            _rotated(_vector_as_euler(order)),
+            cost=0.002,
+        )
+        for order in _ORDERS
     ),
     *(
         Mistake(

@@ -10,14 +10,12 @@ from rigsim.rig.arrays import Array, Mask
 from rigsim.study.verify.checks import exact_tolerance_m
 from rigsim.study.verify.result import CaseResult, Diagnosis
 from rigsim.study.verify.symptoms_plain import Mark, numbers, statistics
+from rigsim.study.verify.symptoms_rows import FEW, SAME, WHERE, else_right, pooled, where
 from rigsim.theory.uncertainty import parallax_px, pixel_gain
 
 _MOST_DIGITS = 11
 _SMALL_PX = 0.5
-_SAME = 1e-6
-_FEW = 3
 _PROBES = 100
-_WHERE = 0.6  # to say where rows are wrong says less than why
 
 
 def symptoms(results: Sequence[CaseResult]) -> list[tuple[float, Diagnosis]]:
@@ -28,6 +26,11 @@ def symptoms(results: Sequence[CaseResult]) -> list[tuple[float, Diagnosis]]:
     for result in exact or failing:
         for mark in _marks(result) if exact else statistics(result):
             marks.setdefault(mark.mistake, []).append((mark, result))
+    if exact:
+        for mark in pooled(results):
+            told = [(mark, result) for result in exact if else_right(result)]
+            if told:
+                marks[mark.mistake] = told
     ranked = []
     for name, seen in marks.items():
         share = len(seen) / len(exact or failing)
@@ -58,23 +61,25 @@ def _marks(result: CaseResult) -> Iterator[Mark]:
         yield from _digits(result, found[both], truth[both])
         yield from _clamped(result, found, wrong & both)
     if both.any() and wrong.any() and not wrong[asked].all():
-        yield from _where(result, found, wrong, answered)
+        yield from where(result, found, wrong, answered)
     if not answered[asked].any():
         yield Mark(
             "nothing-found",
             "Not one point comes back: every row is NaN, as if all lay behind a camera.",
-            _WHERE,
+            WHERE,
         )
 
 
 def _constant(result: CaseResult, found: Array) -> Iterator[Mark]:
-    if len(found) < _FEW:
+    if len(found) < FEW:
         return
-    if (np.abs(found - found[0]) <= _SAME * np.abs(found[0])).all():
+    if not found.any():
+        return
+    if (np.abs(found - found[0]) <= SAME * np.abs(found[0])).all():
         yield Mark("constant-answer", f"All rows have the same answer ({numbers(found[0])} m).")
     elif (
         not result.case.answerable.any()
-        and (np.abs(found[:, 2] - found[0, 2]) <= _SAME * np.abs(found[0, 2])).all()
+        and (np.abs(found[:, 2] - found[0, 2]) <= SAME * np.abs(found[0, 2])).all()
     ):
         yield Mark(
             "disparity-clamped",
@@ -92,6 +97,8 @@ def _unasked(result: CaseResult, found: Array, answered: Mask) -> Iterator[Mark]
         yield Mark(
             "nan-spreads", "A NaN pixel in one row makes other rows NaN: a sum or a fit over all rows."
         )
+    if (~case.answerable & answered & (found == 0).all(axis=1)).any():
+        yield Mark("nan-answered", "Rows without an answer come back as (0, 0, 0): they must be NaN.")
     if (lost & in_front).any():
         yield Mark("nan-answered", "Rows with a NaN pixel come back as points: they must be NaN.")
     elif (~case.answerable & in_front).any():
@@ -106,9 +113,9 @@ def _unasked(result: CaseResult, found: Array, answered: Mask) -> Iterator[Mark]
 
 def _order(truth: Array, found: Array) -> Iterator[Mark]:
     known = np.isfinite(found).all(axis=1)
-    if len(found) < _FEW or not known.any():
+    if len(found) < FEW or not known.any():
         return
-    scale = _SAME * (1 + np.abs(truth).max())
+    scale = SAME * (1 + np.abs(truth).max())
     own = np.flatnonzero(known)
     own = own[:: max(1, len(own) // _PROBES)]
     whose = np.array([np.abs(truth - point).max(axis=1).argmin() for point in found[own]])
@@ -140,11 +147,26 @@ def _order(truth: Array, found: Array) -> Iterator[Mark]:
 def _digits(result: CaseResult, found: Array, truth: Array) -> Iterator[Mark]:
     """Few digits, and an error that is not much larger."""
     off_px = np.hstack(result.case.rig.project(found)) - np.hstack(result.case.rig.project(truth))
+    if not found.any():
+        return
+    error = float(np.median(np.abs(found - truth).max(axis=1)))
+    for digits in range(_MOST_DIGITS):
+        step = 10.0**-digits
+        few = np.abs(found - np.round(found, digits)) <= 1e-13 * np.abs(found) + 1e-15
+        if few[:, 2].all():
+            if 1e-3 * step < error <= 2 * step:
+                what = "Answers have" if few.all() else "Depths have"
+                yield Mark(
+                    "rounded-answers",
+                    f"{what} {digits} decimals, steps of {step:g} m: write more digits (17 hold a double).",
+                )
+                return
+            break
     with np.errstate(all="ignore"):
         relative = _typical(np.linalg.norm(found - truth, axis=1) / np.linalg.norm(truth, axis=1))
     for bits, kind in ((16, np.float16), (32, np.float32)):
         with np.errstate(over="ignore"):
-            held = (found == found.astype(kind)).all() or (found[:, 2] == found[:, 2].astype(kind)).all()
+            held = any(_held(values, kind) for values in (found, found[:, 2], 1e3 * found, 1e3 * found[:, 2]))
         small = _typical(off_px) < _SMALL_PX and relative < 0.1 if bits == 32 else relative < 0.01
         if held and small:
             name = "single-precision" if bits == 32 else "half-precision"
@@ -155,18 +177,6 @@ def _digits(result: CaseResult, found: Array, truth: Array) -> Iterator[Mark]:
                 "use float64 from the pixels on.",
             )
             return
-    error = np.abs(found - truth).max()
-    for digits in range(_MOST_DIGITS):
-        step = 10.0**-digits
-        if (np.abs(found - np.round(found, digits)) <= 1e-13 * np.abs(found) + 1e-15).all():
-            if error <= 1.01 * step:
-                yield Mark(
-                    "rounded-answers",
-                    f"Answers have {digits} decimals, steps of {step:g} m: write more digits (17 "
-                    "hold a double).",
-                )
-                return
-            break
     sample = found[:20].ravel()
     for digits in range(2, _MOST_DIGITS + 1):
         if all(float(f"{value:.{digits}g}") == value for value in sample):
@@ -178,16 +188,21 @@ def _digits(result: CaseResult, found: Array, truth: Array) -> Iterator[Mark]:
             return
 
 
+def _held(values: Array, kind: type[np.floating]) -> bool:
+    """Whether a type of fewer bits holds the numbers, but for the rounding of a change of unit."""
+    return bool((np.abs(values - values.astype(kind)) <= 1e-14 * np.abs(values)).all())
+
+
 def _clamped(result: CaseResult, found: Array, wrong: Mask) -> Iterator[Mark]:
     rig, truth = result.case.rig, result.case.points_left
-    if wrong.sum() < _FEW:
+    if wrong.sum() < FEW:
         return
     for values, true_values, what in (
         (found[:, 2], truth[:, 2], "depth"),
         (np.linalg.norm(found, axis=1), np.linalg.norm(truth, axis=1), "distance"),
     ):
         limit = float(np.median(values[wrong]))
-        stuck = wrong & (np.abs(values - limit) <= _SAME * abs(limit))
+        stuck = wrong & (np.abs(values - limit) <= SAME * abs(limit))
         if stuck.sum() < 0.9 * wrong.sum() or limit <= 0:
             continue
         at = found[np.flatnonzero(stuck)[:1]]
@@ -209,72 +224,6 @@ def _clamped(result: CaseResult, found: Array, wrong: Mask) -> Iterator[Mark]:
                 "large disparities are clamped.",
             )
             return
-
-
-def _where(result: CaseResult, found: Array, wrong: Mask, answered: Mask) -> Iterator[Mark]:
-    """What the wrong rows have in common, when some are right."""
-    case = result.case
-    asked = case.answerable
-    n = int(wrong.sum())
-    none = ~answered
-    zero = answered & (found == 0).all(axis=1)
-    kind = "missing" if none[wrong].mean() > 0.9 else "zero" if zero[wrong].mean() > 0.9 else "wrong"
-    found_as = {"missing": "NaN", "zero": "(0, 0, 0)", "wrong": "wrong"}[kind]
-    weight = _WHERE if kind == "wrong" else 0.95
-    centre = (case.uv_left - (case.rig.left.cx, case.rig.left.cy)) / (case.rig.left.fx, case.rig.left.fy)
-    candidates: tuple[tuple[str, Array, str, str, str], ...] = (
-        ("far-points", case.points_left[:, 2], "beyond {:.4g} m", "nearer than {:.4g} m", "near-points"),
-        (
-            "large-disparities",
-            parallax_px(case.rig, case.points_left),
-            "with a disparity above {:.3g} px",
-            "with a disparity below {:.3g} px",
-            "small-disparities",
-        ),
-        (
-            "late-rows",
-            np.arange(len(case), dtype=np.float64),
-            "after row {:.0f}",
-            "before row {:.0f}",
-            "early-rows",
-        ),
-        (
-            "outer-points",
-            np.linalg.norm(centre, axis=1),
-            "farther than {:.3g} focal lengths from the principal point",
-            "nearer than {:.3g} focal lengths to the principal point",
-            "inner-points",
-        ),
-        ("right-half", case.points_left[:, 0], "right of x = {:.3g} m", "left of x = {:.3g} m", "left-half"),
-        ("lower-half", case.points_left[:, 1], "below y = {:.3g} m", "above y = {:.3g} m", "upper-half"),
-    )
-    good = asked & ~wrong
-    for high, values, above, below, low in candidates:
-        w, g = values[wrong], values[good]
-        if len(g) < _FEW or n < _FEW:
-            continue
-        if np.quantile(w, 0.02) >= np.quantile(g, 0.98):
-            yield Mark(
-                f"{high}-{kind}",
-                f"Points {above.format(float(w.min()))} come back {found_as}, the others are "
-                f"right ('{case.name}').",
-                weight,
-            )
-            return
-        if np.quantile(w, 0.98) <= np.quantile(g, 0.02):
-            yield Mark(
-                f"{low}-{kind}",
-                f"Points {below.format(float(w.max()))} come back {found_as}, the others are "
-                f"right ('{case.name}').",
-                weight,
-            )
-            return
-    name = {"missing": "rows-missing", "zero": "rows-zero", "wrong": "rows-wrong"}[kind]
-    yield Mark(
-        name,
-        f"{n} of {int(asked.sum())} rows come back {found_as} in '{case.name}', the others are right.",
-        _WHERE,
-    )
 
 
 def _typical(off_px: Array) -> float:

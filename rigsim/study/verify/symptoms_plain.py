@@ -113,6 +113,22 @@ def statistics(result: CaseResult) -> Iterator[Mark]:
         )
 
 
+def wasteful(results: Sequence[CaseResult]) -> tuple[Diagnosis, ...]:
+    """Where nothing fails: whether errors are too large in most cases with noise, though not by far."""
+    noisy = [result for result in results if result.case.kind == "noisy" and not result.not_applicable]
+    large = [result for result in noisy if result.status() == "inefficient"]
+    if len(large) <= len(noisy) / 2:
+        return ()
+    times = float(np.median([result.efficiency for result in large]))
+    says = (
+        f"Right, but with noise errors are {times:.3g} times what they need be: part of what the "
+        "pixels say is "
+        "wasted, as one image's rows or one of two rays."
+    )
+    share = len(large) / len(noisy)
+    return (Diagnosis("inefficient", says, share, tuple(result.case.name for result in large)),)
+
+
 def last_resort(results: Sequence[CaseResult]) -> list[Diagnosis]:
     """What can be said when no mistake fits: which rigs fail, and how the errors look."""
     failing = [result for result in results if result.status() == "failed"]
