@@ -19,11 +19,15 @@ from rigsim.cli.triangulators import TIMEOUT, resolved, words
 from rigsim.errors import InvalidRange, OutputError
 
 if TYPE_CHECKING:
+    from rigsim.study.verify.golden import GoldenReport
     from rigsim.study.verify.result import CaseResult, VerifyResult
     from rigsim.study.verify.session import Gathered, Selection
 
 FAILED = 3
 """Exit code when a case failed."""
+
+GOLDEN = Path("reports/golden")
+"""Where golden results are written unless something else is said."""
 
 _NO_SCENE = "none"
 
@@ -73,6 +77,13 @@ def verify(
     force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
     junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Write JUnit XML here.")] = None,
     as_json: Json = False,
+    golden: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Hold the numbers against golden results; what moved fails."),
+    ] = None,
+    update: Annotated[
+        bool, typer.Option("--update", help=f"Write golden results, to {GOLDEN} or --golden.")
+    ] = False,
     list_cases: Annotated[
         bool, typer.Option("--list", help="Say which cases there are, and run nothing.")
     ] = False,
@@ -91,6 +102,12 @@ def verify(
         folder.check_output(out, force)
     if junit is not None and not junit.absolute().parent.is_dir():
         raise OutputError(f"junit {junit}: its folder does not exist; make it, or choose another one")
+    if update and (cases or scene):
+        raise InvalidRange("update: golden results hold every case; leave out --cases and --scene")
+    if golden is not None and not update:
+        from rigsim.interop.golden_files import read_golden
+
+        read_golden(golden, ())  # a folder that is not there is told before the work
     from rigsim.study.verify.session import Selection, run
 
     selection = Selection(
@@ -126,9 +143,35 @@ def verify(
         for flag, labels in (("--triangulator", names), ("--exec", commands))
         for label in labels
     }
-    _deliver(result, strict, again, out, force, junit, as_json)
-    if not result.passed(strict):
+    report = _golden(result, selection, golden, update)
+    _deliver(result, strict, again, out, force, junit, as_json, report)
+    if not result.passed(strict) or (report is not None and not report.passed):
         raise typer.Exit(FAILED)
+
+
+def _golden(
+    result: VerifyResult, selection: Selection, folder: Path | None, update: bool
+) -> GoldenReport | None:
+    """Compare with golden results, or write them; None when neither is asked for."""
+    if folder is None and not update:
+        return None
+    from rigsim.interop.golden_files import read_golden, write_golden
+    from rigsim.sim import library
+    from rigsim.study.verify.golden import Comparison, GoldenReport, compare
+    from rigsim.study.verify.session import golden_records
+
+    folder = folder or GOLDEN
+    partial = bool(selection.patterns) or selection.scenes is not None
+    scenes = () if selection.patterns else library.names() if selection.scenes is None else selection.scenes
+    with shown(len(scenes), "golden scenes"):
+        records = golden_records(result, scenes)
+    comparison = Comparison(())
+    troubles: list[str] = []
+    if folder.is_dir() or not update:
+        golden, troubles = read_golden(folder, [record.name for record in records])
+        comparison = compare(golden, records, partial)
+    written = write_golden(folder, records) if update else []
+    return GoldenReport(str(folder), comparison, tuple(troubles), tuple(path.name for path in written))
 
 
 def _deliver(
@@ -139,13 +182,14 @@ def _deliver(
     force: bool,
     junit: Path | None,
     as_json: bool,
+    golden: GoldenReport | None,
 ) -> None:
     from rigsim.interop import folder
     from rigsim.interop.junit import junit_bytes
     from rigsim.interop.tables import json_bytes
     from rigsim.study.verify.document import verify_document
 
-    document = verify_document(result, strict)
+    document = verify_document(result, strict, golden)
     if junit is not None:
         folder.write_file(junit, junit_bytes(result, strict))
     if out is not None:
@@ -163,6 +207,10 @@ def _deliver(
         from rigsim.present.verify_console import print_verify
 
         print_verify(result, strict, again, out)
+        if golden is not None:
+            from rigsim.present.verify_golden import print_golden
+
+            print_golden(golden)
 
 
 def _gathered(selection: Selection) -> Gathered:
