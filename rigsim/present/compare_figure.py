@@ -34,7 +34,7 @@ _LEGEND_LINE, _LEGEND_WORD = 0.17, 0.42
 _TICK, _LABEL = 7.5, 8.0
 _LETTER_IN = 0.063
 _LONGEST = 34
-_DODGE = 1.09
+_DODGE, _MOST_DODGE = 1.09, 1.2  # from method to method, and of the outermost
 _ASIDE = 1.35  # of the noise axis, beyond its levels
 _TWO_SIDED = 1.96  # standard errors of 95 %
 _DASHES: tuple[Any, ...] = (
@@ -244,9 +244,11 @@ def _of_noise(part: pd.DataFrame, column: str) -> tuple[Array, Array]:
 def _each(part: pd.DataFrame, looks: dict[str, _Look]) -> list[tuple[str, pd.DataFrame, Array]]:
     """Each method's rows by noise, and their places: a little apart, so that none hides another."""
     found = []
+    middle = (len(looks) - 1) / 2
+    step = min(_DODGE, _MOST_DODGE ** (1 / max(middle, 1)))
     for place, label in enumerate(looks):
         mine = part[part["triangulator"] == label].sort_values("noise_px")
-        aside = _DODGE ** (place - (len(looks) - 1) / 2)
+        aside = step ** (place - middle)
         if len(mine):
             found.append((label, mine, mine["noise_px"].to_numpy(dtype=np.float64) * aside))
     return found
