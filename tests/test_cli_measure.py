@@ -144,7 +144,8 @@ def test_without_a_truth_errors_are_null(here: Path, capsys: pytest.CaptureFixtu
     assert said["dense"]["regions"] is None
     assert said["dense"]["fill_pct"] == said["dense"]["image_fill_pct"] > 70
     assert said["patches"]["predicted_std_px"] > 0
-    assert document(capsys, *PAIR, "--no-dense")["dense"] is None
+    plain = document(capsys, *PAIR, "--no-dense")
+    assert plain["dense"] is plain["written"] is None
 
 
 @pytest.mark.parametrize(
@@ -204,7 +205,8 @@ def test_everything_is_written(here: Path, tmp_path: Path, capsys: pytest.Captur
     printed = capsys.readouterr().out
     assert str(out) in printed
     assert {path.name for path in out.iterdir()} == FILES | DENSE_FILES
-    said = json.loads((out / "measure.json").read_text())
+    said = valid("measure", (out / "measure.json").read_text())
+    assert said["written"] == {"folder": str(out), "files": sorted(FILES | DENSE_FILES)}
     assert read_rig(out / "rig.toml") == read_rig(here / "rig.toml")
 
     with (out / "matches.csv").open() as file:
@@ -235,8 +237,11 @@ def test_everything_is_written(here: Path, tmp_path: Path, capsys: pytest.Captur
     assert run(["measure", *PAIR, "--no-dense", "--out", str(out), "--force"]) == 0
 
 
-def test_matches_alone_are_drawn_on_the_picture(here: Path, tmp_path: Path):
-    assert run(["measure", *PAIR, "--no-dense", "--out", str(tmp_path / "out")]) == 0
+def test_matches_alone_are_drawn_on_the_picture(
+    here: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    told = document(capsys, *PAIR, "--no-dense", "--out", str(tmp_path / "out"))
+    assert told == valid("measure", (tmp_path / "out" / "measure.json").read_text())
     assert {path.name for path in (tmp_path / "out").iterdir()} == FILES
     with Pillow.open(tmp_path / "out" / "disparity.png") as picture:
         pixels = np.asarray(picture)[:150].astype(int)

@@ -83,7 +83,7 @@ def measure(
 
     from rigsim.study.pair import measure_pair, versions
 
-    files = {"left": left, "right": right} | ({} if truth is None else {"truth": truth})
+    paths = {"left": left, "right": right} | ({} if truth is None else {"truth": truth})
     with quiet(as_json):
         result = measure_pair(
             image_left,
@@ -95,15 +95,22 @@ def measure(
             target=pixels,
             disparity_range=searched or options.disparity_range(),
             timeout_s=timeout,
-            provenance={"command": shlex.join(["rigsim", *sys.argv[1:]]), **sources(files), **versions()},
+            provenance={"command": shlex.join(["rigsim", *sys.argv[1:]]), **sources(paths), **versions()},
         )
 
     from rigsim.present.pair import pair_pictures, print_pair
 
+    written = None
     if out is not None:
-        folder.write_folder(out, {**pair_pictures(result), **pair_files(result)}, force)
+        from rigsim.interop.documents.base import Written
+        from rigsim.interop.tables import json_bytes
+
+        files = {**pair_pictures(result), **pair_files(result)}
+        written = Written(folder=str(out), files=sorted([*files, "measure.json"]))
+        files["measure.json"] = json_bytes(document(result, written))
+        folder.write_folder(out, files, force)
     if as_json:
-        print_document(document(result))
+        print_document(document(result, written))
     else:
         print_pair(result, out)
 

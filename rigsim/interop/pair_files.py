@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from rigsim.errors import InvalidRange, OutputError
+from rigsim.interop.documents.base import Written
 from rigsim.interop.documents.text import clean
 from rigsim.interop.middlebury import read_disparity
 from rigsim.interop.ply import ply_bytes
@@ -70,8 +71,13 @@ def sources(paths: Mapping[str, Path]) -> dict[str, object]:
         raise OutputError(f"{error.filename}: {error.strerror or error}") from None
 
 
-def document(result: PairMeasurement) -> dict[str, object]:
-    """Everything measured as one JSON document (docs/measure.md); null where there is no number."""
+def document(result: PairMeasurement, written: Written | None = None) -> dict[str, object]:
+    """Everything measured as one JSON document (docs/measure.md); null where there is no number.
+
+    Args:
+        result: what was measured.
+        written: its folder and files; None when none was asked for.
+    """
     best, dense = result.best_matches, result.dense
     return {
         "n_matches": sum(matches.n for matches in result.matches),
@@ -90,13 +96,13 @@ def document(result: PairMeasurement) -> dict[str, object]:
             **{key: _number(value) for key, value in asdict(result.target_quality).items()},
         },
         "warnings": [{"key": finding.key, "says": finding.says} for finding in result.findings],
+        "written": None if written is None else written.model_dump(),
     }
 
 
 def pair_files(result: PairMeasurement) -> dict[str, bytes]:
-    """The files of a measured pair that programs read."""
+    """The files of a measured pair that programs read, but for the document."""
     files = {
-        "measure.json": json_bytes(document(result)),
         "matches.csv": csv_bytes(matches_table(result)),
         "points.ply": _points_ply(result),
         "rig.toml": write_rig(result.rig, comment="rig that the pair was measured with").encode(),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from rigsim.interop.documents.base import Part, Rig
+from rigsim.interop.documents.base import Part, Rig, Written
 
 
 class BelievedRig(Rig):
@@ -213,3 +213,5 @@ class MeasureDocument(Part):
     """Null without --target."""
     warnings: list[Warned]
     """What should make one doubt the numbers."""
+    written: Written | None
+    """Pictures, points and tables; null without --out."""
