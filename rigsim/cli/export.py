@@ -118,4 +118,5 @@ def dataset(
             "command": shlex.join(["rigsim", *sys.argv[1:]]),
         }
         write_dataset(out, format, one, made, count=frames, manifest=manifest, force=force)
-    typer.echo(f"{out}: {frames} stereo pair(s) of {scene} for {format}; their rig: --rig {out}")
+    pairs = "1 stereo pair" if frames == 1 else f"{frames} stereo pairs"
+    typer.echo(f"{out}: {pairs} of {scene} for {format}; the rig: --rig {out}")
