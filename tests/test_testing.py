@@ -62,14 +62,14 @@ def test_fixtures_marks_and_xdist(tmp_path: Path) -> None:
         "    pair = rendered_stereo('bin')\n"
         "    assert pair is rendered_stereo('bin')\n"
         "    assert pair.left.shape == pair.depth_left.shape == (960, 1280)\n"
-        "@pytest.mark.rigsim_full\n"
-        "def test_long():\n    raise SystemError\n"
     )
+    long = "import pytest\n@pytest.mark.rigsim_full\ndef test_long():\n    raise SystemError\n"
+    (tmp_path / "test_long.py").write_text(long)
     done = run_pytest(tmp_path, "-n", "2", "--strict-markers", "-W", "error", "-rs")
     assert done.returncode == 0, done.stdout
     assert re.search(rf"{len(stereo_cases()) + 2} passed, 1 skipped", done.stdout)
     assert "runs with --rigsim-suite full" in done.stdout
-    assert run_pytest(tmp_path, "--rigsim-suite", "full", "-k", "test_long").returncode == 1
+    assert run_pytest(tmp_path, "--rigsim-suite", "full", "test_long.py").returncode == 1
 
 
 def test_the_plugin_loads_nothing_for_tests_that_do_not_ask() -> None:
