@@ -54,14 +54,16 @@ def test_a_forgotten_doffs_fails_with_a_table_that_says_so(tmp_path: Path) -> No
 def test_fixtures_marks_and_xdist(tmp_path: Path) -> None:
     (tmp_path / "test_stereo.py").write_text(
         "import pytest\n"
+        "from rigsim import Intrinsics, StereoRig\n"
         "from rigsim.testing import assert_triangulates\n"
         "def test_each(stereo_case):\n    assert_triangulates('optimal', stereo_case)\n"
         "def test_all(stereo_cases):\n    assert len(stereo_cases) > 30\n"
         "@pytest.mark.rigsim_quick\n"
         "def test_pair(rendered_stereo):\n"
-        "    pair = rendered_stereo('bin')\n"
-        "    assert pair is rendered_stereo('bin')\n"
-        "    assert pair.left.shape == pair.depth_left.shape == (960, 1280)\n"
+        "    rig = StereoRig.rectified(Intrinsics.from_focal(120, 80, 90.0), 0.06)\n"
+        "    pair = rendered_stereo('bin', rig)\n"
+        "    assert pair is rendered_stereo('bin', rig)\n"
+        "    assert pair.left.shape == pair.depth_left.shape == (80, 120)\n"
     )
     long = "import pytest\n@pytest.mark.rigsim_full\ndef test_long():\n    raise SystemError\n"
     (tmp_path / "test_long.py").write_text(long)
@@ -112,5 +114,6 @@ def test_a_rendered_pair_is_true() -> None:
     v, u = 300, 640
     seen = pair.disparity[v, u]
     assert seen == pytest.approx(pair.rig.left.fx * pair.rig.baseline_m / pair.depth_left[v, u], abs=2e-3)
+    assert pair.left.shape == pair.disparity.shape == (720, 1280)
     assert pair.left.dtype == np.uint8
     assert pair.left.std() > 10
