@@ -31,6 +31,7 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
 from rigsim.study.dataset import DatasetFrame, render_frames
 from rigsim.study.pictures import Pictures
+from tests.documents import valid
 
 RIG = StereoRig.rectified(Intrinsics(320, 240, 300.0, 300.0, 150.0, 125.0), 0.12)
 TURNED = Pose.from_rotvec([0.02, -0.05, 0.03])
@@ -206,6 +207,18 @@ def test_the_manifest_says_what_made_it(made: Path, format: str) -> None:
     poses = [frame["left_from_world"] for frame in manifest["frames"]]
     assert len(poses) == 3
     assert poses[0] != poses[1] != poses[2]
+
+
+def test_the_document_says_what_was_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "kitti"
+    words = "--format kitti --frames 1 --seed 5 --move 2cm --baseline 100 --focal 80 --resolution 120x80"
+    assert run(["export", "dataset", *words.split(), "--out", str(folder), "--json"]) == 0
+    document = valid("export-dataset", capsys.readouterr().out)
+    files = sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
+    assert document["written"] == {"folder": str(folder), "files": files}
+    assert (document["frames"], document["seed"], document["move_mm"]) == (1, 5, 20)
+    assert document["rig"]["baseline_mm"] == 100
+    assert document["provenance"]["scene"] == "boards"
 
 
 def test_one_seed_one_data_set_and_frames_of_their_own(made: Path, tmp_path: Path) -> None:

@@ -23,6 +23,7 @@ from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
+from tests.documents import valid
 
 LENS = Intrinsics(640, 480, 800.0, 800.0, 320.0, 240.0)
 RIG = StereoRig.rectified(LENS, 0.12)
@@ -122,6 +123,11 @@ def test_the_command_writes_what_rig_takes(
     assert "2000" in capsys.readouterr().out.replace(",", "")  # 800 * 120 / 48 mm
     assert run(["export", "rig", *words, "--format", format, "--out", "out"]) == 1
     assert "already holds" in capsys.readouterr().err
+    assert run(["export", "rig", *words, "--format", format, "--out", "out", "--force", "--json"]) == 0
+    document = valid("export-rig", capsys.readouterr().out)
+    assert (document["format"], document["written"]) == (format, {"folder": "out", "files": names})
+    assert document["rig"]["baseline_mm"] == 120
+    assert document["rig"]["rectified"]
 
 
 @pytest.mark.parametrize(

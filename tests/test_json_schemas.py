@@ -41,6 +41,7 @@ WITHOUT_UNIT = {
     *("same", "within_tolerance", "within_noise", "moved", "new", "gone", "efficiency"),
     *("false_alarm", "explained"),  # shares
     "seconds",
+    "frames",
     "pixels",
     "value",  # a published figure, whose `quantity` ends in its unit
     *("smallest", "median", "largest"),  # of a quantity that names its unit

@@ -11,7 +11,8 @@ from typing import Annotated
 import typer
 
 from rigsim.cli import quantity
-from rigsim.cli.options import single_rig, takes_rig
+from rigsim.cli.answer import print_document, quiet
+from rigsim.cli.options import Json, single_rig, takes_rig
 from rigsim.cli.rigs import RigOptions
 from rigsim.cli.sensors import Blur, FullWell, ImageNoise, ReadNoise, SensorName, sensor_from
 from rigsim.errors import InvalidRange
@@ -34,6 +35,7 @@ def rig(
     format: Annotated[str, typer.Option(metavar="FORMAT", help=_RIG_FORMATS)],
     out: Annotated[Path, typer.Option(help="Folder of the files.")],
     force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Write a rig as calibration files: stereo.yml, left.yaml and right.yaml, camchain.yaml, and so on."""
     if options == RigOptions():
@@ -45,7 +47,14 @@ def rig(
 
     files = rig_files(one, format)
     folder.write_folder(out, files, force)
-    typer.echo(f"{out}: {', '.join(files)}; read it back with --rig {out}")
+    if not as_json:
+        typer.echo(f"{out}: {', '.join(files)}; read it back with --rig {out}")
+        return
+    from rigsim.interop.documents.base import Written
+    from rigsim.interop.documents.export import export_rig_document
+
+    written = Written(folder=str(out), files=sorted(files))
+    print_document(export_rig_document(_command(), format, one, written))
 
 
 @app.command()
@@ -77,6 +86,7 @@ def dataset(
     seed: Annotated[int, typer.Option(min=0, help="Of the viewpoints and the noise.")] = 0,
     renderer: Annotated[str, typer.Option(help="auto, egl, osmesa or rays.")] = "auto",
     force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Render stereo pairs from varied viewpoints, with true depth or disparity, masks and calibration."""
     one = options.single(scene)
@@ -97,7 +107,7 @@ def dataset(
     from rigsim.study.dataset import render_frames
     from rigsim.study.provenance import simulator_provenance
 
-    with Simulator(scene, mount, renderer) as simulator:
+    with quiet(as_json), Simulator(scene, mount, renderer) as simulator:
         simulator.place(one)
         made = render_frames(
             simulator,
@@ -109,14 +119,21 @@ def dataset(
             turn_deg=turn,
             nearest_m=nearest_m(format, one),
         )
-        manifest = {
-            "seed": seed,
-            "move_mm": None if move_m is None else move_m * 1e3,
-            "turn_deg": turn,
-            "sensor": asdict(camera),
-            **simulator_provenance(simulator),
-            "command": shlex.join(["rigsim", *sys.argv[1:]]),
-        }
-        write_dataset(out, format, one, made, count=frames, manifest=manifest, force=force)
+        views = {"seed": seed, "move_mm": None if move_m is None else move_m * 1e3, "turn_deg": turn}
+        provenance = simulator_provenance(simulator)
+        manifest = {**views, "sensor": asdict(camera), **provenance, "command": _command()}
+        names = write_dataset(out, format, one, made, count=frames, manifest=manifest, force=force)
+    if as_json:
+        from rigsim.interop.documents.base import Written
+        from rigsim.interop.documents.export import export_dataset_document
+
+        said = {"frames": frames, **views, "provenance": provenance}
+        written = Written(folder=str(out), files=names)
+        print_document(export_dataset_document(_command(), format, one, said, written))
+        return
     pairs = "1 stereo pair" if frames == 1 else f"{frames} stereo pairs"
     typer.echo(f"{out}: {pairs} of {scene} for {format}; the rig: --rig {out}")
+
+
+def _command() -> str:
+    return shlex.join(["rigsim", *sys.argv[1:]])

@@ -62,8 +62,8 @@ def write_dataset(
     count: int,
     manifest: Mapping[str, object],
     force: bool = False,
-) -> None:
-    """Write `frames` into the folder `path`, which appears when the last one is done.
+) -> list[str]:
+    """Write `frames` into the folder `path`, which appears when the last one is done; the files' names.
 
     Args:
         path: the folder.
@@ -85,11 +85,12 @@ def write_dataset(
     pixels = rig.left.width * rig.left.height + rig.right.width * rig.right.height
     needed = count * (_BYTES_A_PIXEL * pixels // 2 + _BYTES_A_POINT * CLOUD_POINTS)
     poses: list[Pose] = []
+    names: list[str] = []
     with folder_in_progress(path, force, needed_bytes=needed) as folder:
         for frame in frames:
-            _write(folder, layout.frame(frame))
+            names += _write(folder, layout.frame(frame))
             poses.append(frame.left_from_world)
-        _write(folder, {name: text.encode() for name, text in layout.whole(rig, poses).items()})
+        names += _write(folder, {name: text.encode() for name, text in layout.whole(rig, poses).items()})
         document = {
             "format": format,
             "frames": [
@@ -98,7 +99,8 @@ def write_dataset(
             ],
             **manifest,
         }
-        _write(folder, {"manifest.json": json_bytes(document)})
+        names += _write(folder, {"manifest.json": json_bytes(document)})
+    return sorted(names)
 
 
 def check_format(format: str, rig: StereoRig) -> None:
@@ -130,11 +132,12 @@ def _holds(format: str, rig: StereoRig) -> bool:
     return True
 
 
-def _write(folder: Path, files: Mapping[str, bytes]) -> None:
+def _write(folder: Path, files: Mapping[str, bytes]) -> list[str]:
     for name, content in files.items():
         target = folder / name
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_bytes(content)
+    return list(files)
 
 
 def _png(image: AnyImage) -> bytes:

@@ -8,6 +8,7 @@ from rigsim.interop.documents.base import Part
 from rigsim.interop.documents.calc import CalcDepthDocument, CalcLimitsDocument, CalcPointDocument
 from rigsim.interop.documents.compare import CompareDocument
 from rigsim.interop.documents.design import DesignDocument
+from rigsim.interop.documents.export import ExportDatasetDocument, ExportRigDocument
 from rigsim.interop.documents.infer import InferDocument
 from rigsim.interop.documents.listings import (
     DoctorDocument,
@@ -35,6 +36,8 @@ DOCUMENTS: dict[str, tuple[str, type[Part]]] = {
     "calc-limits": ("rigsim calc limits --json", CalcLimitsDocument),
     "render": ("rigsim render --json", RenderDocument),
     "measure": ("rigsim measure --json", MeasureDocument),
+    "export-rig": ("rigsim export rig --json", ExportRigDocument),
+    "export-dataset": ("rigsim export dataset --json", ExportDatasetDocument),
     "scenes": ("rigsim scenes --json", ScenesDocument),
     "presets": ("rigsim presets --json", PresetsDocument),
     "preset": ("rigsim presets NAME --json", PresetDocument),
