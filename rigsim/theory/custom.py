@@ -74,7 +74,9 @@ def load(name: str) -> CheckedTriangulator:
     if not module_name or not attribute:
         raise TriangulatorError(f"triangulator {name!r}: must be written package.module:function")
     here = os.getcwd()
-    sys.path.append(here)
+    added = here not in sys.path
+    if added:
+        sys.path.append(here)
     try:
         function = reduce(getattr, attribute.split("."), importlib.import_module(module_name))
     except AttributeError as error:
@@ -84,7 +86,8 @@ def load(name: str) -> CheckedTriangulator:
             f"triangulator {name!r}: cannot import {module_name} ({first_line(error)})"
         ) from error
     finally:
-        sys.path.remove(here)
+        if added and here in sys.path:
+            sys.path.remove(here)
     if not callable(function):
         raise TriangulatorError(
             f"triangulator {name!r}: {attribute} is a {type(function).__name__}, not a function"
