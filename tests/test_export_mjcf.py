@@ -29,7 +29,7 @@ SCENE = """
 <mujoco>
   <include file="rig.xml"/>
   <worldbody>
-    <light pos="0 0 4" dir="0.2 0 -1"/>
+    <light pos="0 0 4" dir="0.2 0 -1" castshadow="false"/>
     <geom type="plane" size="30 30 0.1" pos="0 0 -0.6" rgba="0.4 0.5 0.6 1"/>
     <geom type="box" size="0.2 0.3 0.2" pos="3 0.4 -0.1" euler="10 20 30" rgba="0.9 0.2 0.1 1"/>
     <geom type="box" size="0.1 0.2 0.4" pos="2 -0.3 0.1" rgba="0.1 0.8 0.3 1"/>
@@ -57,7 +57,6 @@ def test_there_and_back(rig: StereoRig) -> None:
 DRAW = """
 import mujoco, numpy as np
 model = mujoco.MjModel.from_xml_path("scene.xml")
-model.vis.quality.offsamples = 0  # one sample a pixel, as the Simulator draws
 data = mujoco.MjData(model)
 mujoco.mj_forward(model, data)
 for side in ("left", "right"):
