@@ -133,6 +133,17 @@ def test_plain_without_a_terminal_and_dressed_on_one() -> None:
     assert "─" in dressed.file.getvalue()
 
 
+def test_numbers_beside_a_word_too_long_for_its_column_stay_in_line() -> None:
+    target = console(30)
+    print_table(
+        "", ["rig", "name", "n"], [["a", "x", 1], ["b", "unbreakable_name:function", 22]], console=target
+    )
+    assert isinstance(target.file, io.StringIO)
+    lines = target.file.getvalue().splitlines()
+    assert lines[2] == f"a{'x':>5}{'1':>28}"
+    assert lines[3] == "b    unbreakable_name:function  22"
+
+
 def test_only_the_last_words_wrap_and_only_between_words() -> None:
     target = console(40)
     about = "checker boards at half a metre to five metres, tilted in all directions"

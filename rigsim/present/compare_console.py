@@ -26,7 +26,7 @@ HEADS = (
 """Columns of `table_rows`."""
 NUMERIC = (False, False, *[True] * 7)
 """Which of them hold numbers."""
-_LONGEST = 26
+_LONGEST = 24
 
 
 def print_comparison(

@@ -61,7 +61,9 @@ def print_table(
     loose = max((i for i in range(len(columns)) if not numeric[i]), default=None)
     excess = _total(widths) - console.width
     if loose is not None and excess > 0:
-        widths[loose] = max(widths[loose] - excess, min(_NARROWEST, widths[loose]))
+        # words are not broken, and what stands beside them stays in line
+        longest = max((len(word) for row in texts for word in row[loose].split()), default=0)
+        widths[loose] = max(widths[loose] - excess, min(_NARROWEST, widths[loose]), longest)
 
     if title:
         say(console, title, "bold")
