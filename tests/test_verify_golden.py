@@ -22,6 +22,7 @@ from rigsim.study.verify.runner import verify
 from rigsim.study.verify.suite import synthetic_cases
 from rigsim.theory.custom import Triangulator
 from rigsim.theory.triangulation import METHODS, triangulate
+from tests.documents import valid
 
 ABOUT = {"rigsim": "0.1.0", "mujoco": "4.0.0", "seed": "0"}
 
@@ -137,8 +138,10 @@ def test_update_writes_what_the_next_run_is_held_to(
     assert run(["verify", "--update", "--golden", folder]) == 0
     assert "Wrote 2 golden files" in capsys.readouterr().out
     held = ["verify", "--golden", folder, "--cases", "near,bin", "--scene", "bin"]
-    assert run(held) == 0
-    assert "moved" not in capsys.readouterr().out
+    assert run([*held, "--json"]) == 0
+    golden = valid("verify", capsys.readouterr().out)["golden"]
+    assert (golden["folder"], golden["passed"], golden["moves"]) == (folder, True, [])
+    assert golden["counts"]["same"] > 5
     path = tmp_path / "golden" / "triangulator-optimal.csv"
     old = Record("triangulator-optimal", ABOUT, (Number("near noisy, depth RMS", 9.9, "mm", 0, 0.01),))
     write_golden(path.parent, [old])

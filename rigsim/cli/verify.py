@@ -143,7 +143,8 @@ def verify(
         for flag, labels in (("--triangulator", names), ("--exec", commands))
         for label in labels
     }
-    report = _golden(result, selection, golden, update)
+    with quiet(as_json):
+        report = _golden(result, selection, golden, update)
     _deliver(result, strict, again, out, force, junit, as_json, report)
     if not result.passed(strict) or (report is not None and not report.passed):
         raise typer.Exit(FAILED)
