@@ -77,6 +77,10 @@ def test_again_names_cases_or_groups() -> None:
     assert rerun(one_of(swapped), False, words) == "rigsim verify"
     less = replace(one_of(swapped), results=(*one_of(swapped).results[:5], *one_of(right).results[5:]))
     assert rerun(less, False, words) == "rigsim verify --cases rectified,far,verged"
+    # what was chosen stays where all of it failed, and makes room where it did not
+    chosen = [*words, "--cases", "[rfvn]*"]
+    assert rerun(one_of(swapped), False, chosen) == "rigsim verify --cases '[rfvn]*'"
+    assert rerun(less, False, chosen) == "rigsim verify --cases rectified,far,verged"
 
 
 def test_one_message_for_many_errors() -> None:

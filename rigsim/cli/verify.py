@@ -138,8 +138,9 @@ def verify(
                     progress(done)
 
             result = run(gathered, known, selection, one_more, shlex.join(["rigsim", *sys.argv[1:]]))
+    chosen = ["--cases", ",".join(selection.patterns)] if selection.patterns else []
     again = {
-        label: [*_again(options, scene, suite, strict, seed, timeout), flag, label]
+        label: [*_again(options, scene, suite, strict, seed, timeout), flag, label, *chosen]
         for flag, labels in (("--triangulator", names), ("--exec", commands))
         for label in labels
     }

@@ -135,7 +135,7 @@ def rows_asked(result: CaseResult, check: Check) -> int:
 
 
 def rerun(result: TriangulatorResult, strict: bool, words_before: Sequence[str]) -> str:
-    """The command that runs just what failed."""
+    """The command that runs just what failed: that takes the place of `--cases`, unless it is all of it."""
     bad = [case.case for case in result.results if case.status(strict) in ("failed", "error")]
     names = list(dict.fromkeys(case.name for case in bad))
     groups = list(dict.fromkeys(case.group for case in bad))
@@ -143,7 +143,11 @@ def rerun(result: TriangulatorResult, strict: bool, words_before: Sequence[str])
     if set(groups) == all_groups and len(groups) > _MOST_NAMES:
         return shlex.join(words_before)
     chosen = names if len(names) <= _MOST_NAMES else _starred(groups)
-    return shlex.join([*words_before, "--cases", ",".join(chosen)])
+    plain = list(words_before)
+    if "--cases" in plain:
+        at = plain.index("--cases")
+        del plain[at : at + 2]
+    return shlex.join([*plain, "--cases", ",".join(chosen)])
 
 
 def _print_one(one: TriangulatorResult, strict: bool, again: Sequence[str], console: Console) -> None:
