@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
+import shutil
 from pathlib import Path
 
 import pytest
@@ -38,13 +39,26 @@ def test_the_first_two_commands_are_the_entrances():
     assert COMMANDS[:2] == ["./run sweep --baseline 50:500", "./check"]
 
 
+@pytest.fixture(scope="module")
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("readme")
+
+
 @pytest.mark.parametrize("command", [command for command in COMMANDS if command.startswith("./run ")])
-def test_commands_run(command: str, elsewhere: Path, capsys: pytest.CaptureFixture[str]):
+def test_commands_run(
+    command: str, shared: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.chdir(shared)
+    monkeypatch.setenv("COLUMNS", "100")
     for earlier in COMMANDS[: COMMANDS.index(command)]:
         folder = re.search(r"--out (\S+)", earlier)
-        if folder and f" {folder[1]}/" in command:  # this one reads what an earlier one wrote
+        # this one reads what an earlier one wrote, here or in another process
+        if folder and f" {folder[1]}/" in command and not (shared / folder[1]).exists():
             assert run(shlex.split(earlier.removeprefix("./run "))) == 0
             capsys.readouterr()
+    own = re.search(r"--out (\S+)", command)
+    if own and (shared / own[1]).exists():  # a later one needed it first
+        shutil.rmtree(shared / own[1])
     assert run(shlex.split(command.removeprefix("./run "))) == 0, capsys.readouterr().err
     printed = capsys.readouterr().out
     for shown_command, shown in SHOWN:

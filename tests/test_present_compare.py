@@ -29,6 +29,11 @@ MANY: dict[str, Triangulator] = {
 }
 
 
+@pytest.fixture(autouse=True)
+def _quick_stopwatch(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rigsim.study.compare._SPEED_POINTS", 200)  # what is drawn is the same
+
+
 def result(
     geometries: tuple[str, ...], noises_px: tuple[float, ...], methods: dict[str, Triangulator]
 ) -> ComparisonResult:

@@ -47,12 +47,13 @@ class Look:
 
 
 def look(simulator: Simulator, rig: StereoRig, plan: Plan) -> Look:
-    """Place the rig, draw both views and sample the truth."""
+    """Place the rig, sample the truth and draw both views: a rig that sees nothing draws nothing."""
     simulator.place(rig)
+    rng = plan.stream("truth", simulator.scene.name, rig)
+    truth = simulator.truth(plan.n_points, rng, plan.range_m)
     lenses = dict.fromkeys(without_noise(sensor) for sensor in plan.sensors.values())
     exposures = {lens: expose_pair(simulator, rig, lens, plan.supersample) for lens in lenses}
-    rng = plan.stream("truth", simulator.scene.name, rig)
-    return Look(exposures, simulator.truth(plan.n_points, rng, plan.range_m))
+    return Look(exposures, truth)
 
 
 def run_rig(simulator: Simulator, rig: StereoRig, plan: Plan) -> Outcome:

@@ -129,7 +129,7 @@ def scene_record(simulator: Simulator, rig: StereoRig, about: Mapping[str, str])
         for pixel, point in zip(uv, points_left, strict=True)
     ]
     if simulator.backend != "rays":
-        light = simulator.render().left.light
+        light = simulator.render(supersample=1).left.light
         for pixel in uv.astype(int):
             x, y = (int(part) for part in pixel)
             block = light[y - _BLOCK : y + _BLOCK + 1, x - _BLOCK : x + _BLOCK + 1]
