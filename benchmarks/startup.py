@@ -7,6 +7,7 @@ import sys
 import time
 from pathlib import Path
 from statistics import median
+from tempfile import TemporaryDirectory
 
 REPEATS = 15
 CHECKOUT = Path(__file__).resolve().parents[1]
@@ -35,3 +36,20 @@ def run() -> None:
     for name, seconds in found.items():
         print(f"{name:34} {seconds * 1e3:6.0f} {seconds / unit:15.2f}")
     print(f"./run adds {(found['./run --help'] - found['rigsim --help']) * 1e3:.0f} ms to the program")
+    print(f"a pytest session that does not use the plugin takes {_plugin_ms():+.1f} ms with it (limit 20 ms)")
+
+
+def _plugin_ms() -> float:
+    """Median difference of pytest sessions of one empty test with and without the plugin, in pairs."""
+    differences = []
+    with TemporaryDirectory() as folder:
+        Path(folder, "test_nothing.py").write_text("def test_nothing():\n    pass\n")
+        command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
+        for _ in range(REPEATS):
+            seconds = []
+            for more in ([], ["-p", "no:rigsim"]):
+                begin = time.perf_counter()
+                subprocess.run([*command, *more], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+                seconds.append(time.perf_counter() - begin)
+            differences.append(seconds[0] - seconds[1])
+    return median(differences) * 1e3
