@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
 import shutil
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from rigsim.cli.app import run
+from rigsim.testing import assert_triangulates
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCS = [
@@ -75,6 +78,24 @@ def test_the_python_example_runs(elsewhere: Path, capsys: pytest.CaptureFixture[
     (example,) = (body for kind, body in BLOCKS if kind == "python")
     exec(compile(example, "README.md", "exec"), {})
     assert "agrees" in capsys.readouterr().out
+
+
+def test_the_failing_triangulation_fails_as_shown(elsewhere: Path, capsys: pytest.CaptureFixture[str]):
+    wrong, test = (body for kind, body in BLOCKS if kind == "py")
+    ((command, shown),) = (
+        body.removeprefix("$ ").split("\n", 1) for kind, body in BLOCKS if kind == "console"
+    )
+    (elsewhere / "my_stereo.py").write_text(wrong)
+    assert run(shlex.split(command.removeprefix("rigsim "))) == 3
+    assert _timeless(capsys.readouterr().out) == _timeless(shown)
+    # mended as the text says, it passes the test below
+    module: dict[str, Any] = {}
+    exec(wrong.replace("(right, left, uv", "(left, right, uv"), module)
+    (only,) = re.findall(r"only=(\[.*?\])", test)
+    assert_triangulates(module["triangulate"], only=json.loads(only))
+    exec(wrong, module)
+    with pytest.raises(AssertionError, match="swapped-images"):
+        assert_triangulates(module["triangulate"], only=json.loads(only))
 
 
 @pytest.mark.parametrize("path", DOCS, ids=lambda path: str(path.relative_to(ROOT)))
