@@ -13,8 +13,9 @@ from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.compare import COLUMNS, ComparisonPlan, ComparisonResult, compare
-from rigsim.study.compare_row import Errors, bound, errors, figures
+from rigsim.study.compare_row import Errors, errors, figures
 from rigsim.study.compare_words import headline, off_bound, quantile, sentences
+from rigsim.study.verify.bound import bound
 from rigsim.study.verify.triangulators import KNOWN
 from rigsim.theory.custom import Triangulator
 

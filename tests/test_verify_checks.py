@@ -9,17 +9,19 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from rigsim.errors import TriangulatorTimeout
+from rigsim.errors import InvalidRange, TriangulatorTimeout
 from rigsim.rig.arrays import Array
+from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.verify.bound import bound, depth_reach
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.checks import Judgement, judge
 from rigsim.study.verify.result import Check
 from rigsim.study.verify.runner import run_case, verify
 from rigsim.study.verify.suite import stream, synthetic_cases
-from rigsim.study.verify.synthetic import GEOMETRIES, degenerate, exact, noisy, random_geometry
+from rigsim.study.verify.synthetic import GEOMETRIES, Geometry, degenerate, exact, noisy, random_geometry
 from rigsim.study.verify.triangulators import KNOWN
 from rigsim.theory.custom import CheckedTriangulator, Triangulator
 from rigsim.theory.triangulation import METHODS, triangulate
@@ -203,3 +205,45 @@ def test_one_that_never_comes_back_is_asked_three_times() -> None:
     assert len(calls) == 3
     assert [one.error for one in result.results[3:]] == ["not asked: the 3 cases before took too long"] * 3
     assert not result.passed()
+
+
+@pytest.mark.parametrize(
+    ("left_f", "right_f", "bent"), [(2000.0, 500.0, None), (500.0, 2000.0, None), (700.0, 700.0, -0.25)]
+)
+def test_lost_rows_are_as_many_as_noise_must_lose_whatever_the_lenses(
+    left_f: float, right_f: float, bent: float | None
+) -> None:
+    def lens(f: float) -> Intrinsics:
+        own = None if bent is None else BrownConrady(k1=bent, k2=0.06)
+        return replace(Intrinsics.from_focal(1280, 960, f), distortion=own)
+
+    rig = StereoRig.rectified(lens(left_f), 0.05, right=lens(right_f))
+    far = Geometry("far", rig, (6.0, 40.0), "", noise_px=1.0)
+    case = noisy(far, 20_000, stream(0, "x"))
+    found = triangulate(rig, case.uv_left, case.uv_right)
+    judgement = judge(case, found, 1e-4)
+    answered = named(judgement)["answered"]
+    expected = stats.norm.sf(depth_reach(rig, case.points_left, 1.0)).sum()
+    assert answered.value > 20
+    assert answered.value == pytest.approx(expected, rel=0.25)
+    assert all(check.ok for check in judgement.checks), [check for check in judgement.checks if not check.ok]
+    # the rows that are lost have the largest errors: what is left is smaller than the bound of all
+    assert named(judgement)["size"].value == pytest.approx(
+        math.sqrt(bound(rig, case.points_left, 1.0).squares), rel=0.01
+    )
+
+
+@pytest.mark.parametrize("filled", [-1.0, 1e9])
+def test_a_missing_pixel_leaves_no_point_anywhere(filled: float) -> None:
+    (case,) = (case for case in degenerate(9, stream(0, "x")) if case.name == "missing pixels")
+    found = np.where(case.answerable[:, None], case.points_left, filled)
+    assert named(judge(case, found, 1e-4))["nowhere"].value == 3
+    assert named(judge(case, case.points_left, 1e-4))["nowhere"].ok
+
+
+def test_many_points_are_found_where_few_are_shared() -> None:
+    geometry = BY_NAME["forward"]
+    assert len(exact(geometry, 150_000, stream(0, "x"))) == 150_000
+    apart = Geometry("apart", StereoRig.verged(RIG.left, 0.1, -120.0), (1.0, 2.0), "")
+    with pytest.raises(InvalidRange, match="turn the cameras towards each other"):
+        exact(apart, 10, stream(0, "x"))

@@ -37,9 +37,8 @@ def record(*numbers: Number, **about: str) -> Record:
         (Number("z", 2.0, "m", 1e-9), Number("z", 2.0, "m", 1e-9), "same"),
         (Number("z", 2.0, "m", 1e-9), Number("z", 2.0 + 5e-10, "m", 1e-9), "within tolerance"),
         (Number("z", 2.0, "m", 1e-9), Number("z", 2.0 + 2e-9, "m", 1e-9), "moved"),
-        # 3 sqrt(0.3^2 + 0.4^2) = 1.5
-        (Number("e", 10.0, "mm", 0, 0.3), Number("e", 11.4, "mm", 0, 0.4), "within noise"),
-        (Number("e", 10.0, "mm", 0, 0.3), Number("e", 11.6, "mm", 0, 0.4), "moved"),
+        (Number("e", 10.0, "mm", 0, 0.3), Number("e", 10.0 + 9e-6, "mm", 0, 0.3), "within tolerance"),
+        (Number("e", 10.0, "mm", 0, 0.3), Number("e", 10.0 + 2e-5, "mm", 0, 0.3), "moved"),
         (Number("z", np.nan, "m", 1e-9), Number("z", np.nan, "m", 1e-9), "same"),
         (Number("z", np.nan, "m", 1e-9), Number("z", 3.0, "m", 1e-9), "moved"),
     ],
@@ -50,6 +49,14 @@ def test_a_number_has_moved_when_it_left_its_tolerance_or_its_noise(
     comparison = compare([record(then)], [record(now)])
     assert [move.verdict for move in comparison.moves] == [verdict]
     assert comparison.passed == (verdict != "moved")
+
+
+@pytest.mark.parametrize(("now", "verdict"), [(11.4, "within noise"), (11.6, "moved")])
+def test_another_seed_may_differ_by_noise(now: float, verdict: str) -> None:
+    # 3 sqrt(0.3^2 + 0.4^2) = 1.5
+    then, today = Number("e", 10.0, "mm", 0, 0.3), Number("e", now, "mm", 0, 0.4)
+    comparison = compare([record(then, seed="1")], [record(today)])
+    assert [move.verdict for move in comparison.moves] == [verdict]
 
 
 def test_new_and_lost_numbers_and_other_versions_are_told() -> None:
@@ -90,7 +97,10 @@ def test_a_triangulator_that_grew_worse_has_moved_and_another_seed_has_not() -> 
 
     def records(function: Triangulator, seed: int) -> list[Record]:
         cases = list(synthetic_cases("quick", seed))[:12]
-        return [triangulator_record(result, ABOUT) for result in verify(cases, {"mine": function})]
+        return [
+            triangulator_record(result, {**ABOUT, "seed": str(seed)})
+            for result in verify(cases, {"mine": function})
+        ]
 
     golden = records(METHODS["optimal"], 0)
     assert compare(golden, records(METHODS["optimal"], 7)).passed

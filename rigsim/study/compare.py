@@ -19,8 +19,9 @@ from rigsim.measure.opencv import load_cv2
 from rigsim.rig.arrays import Array
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.compare_row import Errors, bound, errors, figures
+from rigsim.study.compare_row import Errors, errors, figures
 from rigsim.study.provenance import versions
+from rigsim.study.verify.bound import bound
 from rigsim.study.verify.runner import PATIENCE
 from rigsim.study.verify.suite import own_geometry, stream
 from rigsim.study.verify.synthetic import GEOMETRIES, Geometry, visible_points

@@ -13,55 +13,8 @@ import numpy as np
 
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
-from rigsim.theory.uncertainty import parallax_px, pixel_gain
-
-
-@dataclass(frozen=True, slots=True)
-class Bound:
-    """What the best unbiased triangulator leaves of a pixel noise, over the points that come back.
-
-    Noise that turns a point's parallax negative leaves no point in front of the cameras. With a the parallax
-    in standard deviations, a point comes back with probability Phi(a), and the error z along its epipolar
-    line is then a Gaussian cut off at -a: E z = l, E z² = 1 - a l, E z⁴ = 3 - (3 a + a³) l with
-    l = phi(a) / Phi(a). The other two of the three degrees of freedom are not cut.
-    """
-
-    failed_share: float
-    """Share of points that do not come back."""
-    failed_share_se: float
-    """Its standard error."""
-    squares: float
-    """Mean squared pixel error, a third of the four coordinates' sum, in units of the noise's variance; 1
-    where all come back."""
-    squares_std: float
-    """Standard deviation of that of one point."""
-    depth_squares: float
-    """Mean squared error of 1/Z, in its variances; 1 where all come back."""
-    bias: float
-    """Mean error of 1/Z, standard deviations, positive when too far; 0 where all come back."""
-
-
-def bound(rig: StereoRig, points_left: Array, noise_px: float) -> Bound:
-    """The bound for points (N, 3) m and Gaussian noise of so many px in each of the four coordinates."""
-    from scipy.stats import norm
-
-    reach = parallax_px(rig, points_left) / (math.sqrt(2) * noise_px)
-    back = norm.cdf(reach)
-    weight = back / back.sum()
-    cut = norm.pdf(reach) / back
-    second = 1 - reach * cut
-    fourth = 3 - (3 * reach + reach**3) * cut
-    squares = float((weight * (2 + second)).sum()) / 3
-    # of a chi-squared with two degrees of freedom: 2 and 8
-    squares_of_squares = float((weight * (8 + 4 * second + fourth)).sum()) / 9
-    return Bound(
-        float(1 - back.mean()),
-        math.sqrt(float((back * (1 - back)).sum())) / len(back),
-        squares,
-        math.sqrt(max(squares_of_squares - squares**2, 0.0)),
-        float((weight * second).sum()),
-        -float((weight * cut).sum()),
-    )
+from rigsim.study.verify.bound import Bound
+from rigsim.theory.uncertainty import pixel_gain
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,6 +15,7 @@ from scipy import stats
 
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.verify.bound import bound, depth_reach
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.result import Check
 from rigsim.theory.uncertainty import parallax_px, pixel_gain
@@ -23,6 +24,8 @@ EXACT_M = 1e-9
 """Largest error without noise, m, and relative to the distance beyond a metre."""
 WORST_EFFICIENCY = 1.5
 """A triangulator's errors may be this many times those of the Cramer-Rao bound unless one is strict."""
+FIRST_ORDER = 1.2
+"""Times the expected number of rows may be lost: lenses that distort bend what noise does to 1/Z."""
 AT_INFINITY_PX = 1e-6
 """A point with less parallax than this, px, is as good as at infinity."""
 
@@ -63,7 +66,7 @@ def judge(case: Case, found_left: Array, false_alarm: float) -> Judgement:
     gain = pixel_gain(case.rig, truth)
     checks: list[Check] = []
     if not asked.all():
-        checks.append(_nowhere(case, found_left[~asked]))
+        checks.append(_nowhere(case, found_left, ~asked))
     if len(truth) == 0:
         return Judgement(tuple(checks), math.nan, math.nan, math.nan)
     checks.append(_answered(case, truth, answered, false_alarm))
@@ -98,19 +101,26 @@ def _pixels(case: Case, points_left: Array) -> Array:
     return np.hstack(case.rig.project(points_left))
 
 
-def _nowhere(case: Case, found_left: Array) -> Check:
-    """Rows without an answer: a point that is not behind a camera is made up, be it (0, 0, 0)."""
+def _nowhere(case: Case, found_left: Array, rows: Mask) -> Check:
+    """Rows without an answer: a point that is not behind a camera is made up, be it (0, 0, 0).
+
+    Where a pixel is missing, any point is.
+    """
+    found_left = found_left[rows]
     right = case.rig.right_from_left.apply(found_left)
-    made_up = np.isfinite(found_left).all(axis=1) & (found_left[:, 2] >= 0) & (right[:, 2] >= 0)
+    given = np.isfinite(np.hstack([case.uv_left, case.uv_right])[rows]).all(axis=1)
+    finite = np.isfinite(found_left).all(axis=1)
+    made_up = finite & given & (found_left[:, 2] >= 0) & (right[:, 2] >= 0)
     made_up[made_up] = ~(parallax_px(case.rig, found_left[made_up]) <= AT_INFINITY_PX)
+    made_up |= finite & ~given
     return Check(
         "nowhere",
         float(made_up.sum()),
         0.0,
         0.0,
         "rows",
-        "Rows without a point in front of both cameras must be NaN, behind a camera or infinitely far; "
-        "these came back as points.",
+        "Rows without a point in front of both cameras must be NaN, behind a camera or infinitely far, and "
+        "NaN where a pixel is; these came back as points.",
     )
 
 
@@ -119,12 +129,12 @@ def _answered(case: Case, truth: Array, answered: Mask, false_alarm: float) -> C
     high = 0.0
     why = "Every row has an answer in front of both cameras."
     if case.kind == "noisy" and case.covariance_px2 is not None:
-        sigma_d = math.sqrt(2 * float(np.ravel(case.covariance_px2)[0]))
-        expected = float(stats.norm.sf(parallax_px(case.rig, truth) / sigma_d).sum())
-        high = float(stats.poisson.isf(false_alarm, expected)) if expected > 0 else 0.0
+        sigma_px = math.sqrt(float(np.ravel(case.covariance_px2)[0]))
+        expected = float(stats.norm.sf(depth_reach(case.rig, truth, sigma_px)).sum())
+        high = float(stats.poisson.isf(false_alarm, FIRST_ORDER * expected)) if expected > 0 else 0.0
         why = (
-            f"{expected:.2g} rows are expected to have a disparity below zero by noise alone; "
-            "a Poisson quantile bounds them."
+            f"{expected:.2g} rows are expected to be pushed beyond infinity by noise alone; "
+            "a Poisson quantile of a fifth more bounds them, as that number is of first order."
         )
     return Check("answered", float((~answered).sum()), 0.0, high, "rows", why)
 
@@ -158,6 +168,7 @@ def _noisy(
     n = len(truth)
     nees = float((error_px**2).sum(axis=1).mean()) / sigma_px**2 / 3
     low, high = (float(stats.chi2.ppf(p, 3 * n)) / (3 * n) for p in (false_alarm / 2, 1 - false_alarm / 2))
+    low *= bound(case.rig, truth, sigma_px).squares  # rows that noise loses are those with large errors
     depth_std_m = sigma_px * np.linalg.norm(gain[:, 2], axis=1)
     # 1/Z follows the disparity in a straight line, so its errors are Gaussian at any distance
     inverse_depth = (1 / found[:, 2] - 1 / truth[:, 2]) * truth[:, 2] ** 2 / depth_std_m
@@ -166,8 +177,7 @@ def _noisy(
     whitened = _whitened(case, truth, error_px) / sigma_px
     drift = float(np.linalg.norm(whitened.mean(axis=0)))
     # beyond what chance allows, a triangulator may lean by its second order, sigma_d / d
-    parallax = parallax_px(case.rig, truth)
-    second_order = float(np.mean(np.minimum(math.sqrt(2) * sigma_px / parallax, 1.0)))
+    second_order = float(np.mean(np.minimum(1 / depth_reach(case.rig, truth, sigma_px), 1.0)))
     drift_high = math.sqrt(float(stats.chi2.isf(false_alarm, 3)) / n) + second_order
     worst = WORST_EFFICIENCY
     return math.sqrt(nees), [

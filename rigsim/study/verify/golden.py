@@ -21,6 +21,8 @@ DEPTH_ALLOWED_M = 1e-9
 """What a depth found by rays may differ by, m: other processors round differently."""
 GREY_ALLOWED = 2.0
 """What a rendered colour may differ by, grey levels of 255: other drivers shade differently."""
+ROUNDING = 1e-6
+"""What a statistic of the very same noise may differ by, relative."""
 NOISE_SIGMAS = 3.0
 """A statistic has moved when it is off by more than this many standard errors of the difference."""
 
@@ -173,7 +175,8 @@ def compare(golden: Sequence[Record], now: Sequence[Record], partial: bool = Fal
         if not _has_colours(record) and _has_colours(old):
             remarks.append(f"{record.name}: colours not compared, there is no GL renderer here")
             old_numbers = tuple(number for number in old_numbers if number.unit != _GREY)
-        moves.extend(_moves(record.name, old_numbers, record.numbers))
+        again = dict(old.about) == dict(record.about)
+        moves.extend(_moves(record.name, old_numbers, record.numbers, again))
     kept = (move for move in moves if not (partial and move.verdict == "gone"))
     return Comparison(tuple(kept), tuple(remarks))
 
@@ -205,7 +208,7 @@ def _case_numbers(result: CaseResult) -> Iterator[Number]:
     yield Number(f"{case.name}, error over bound", result.efficiency, "", standard_error=1 / math.sqrt(6 * n))
 
 
-def _moves(name: str, old: Iterable[Number], new: Iterable[Number]) -> Iterator[Move]:
+def _moves(name: str, old: Iterable[Number], new: Iterable[Number], again: bool) -> Iterator[Move]:
     before, now = ({number.name: number for number in numbers} for numbers in (old, new))
     for key in [*before, *(key for key in now if key not in before)]:
         then, today = before.get(key), now.get(key)
@@ -214,12 +217,14 @@ def _moves(name: str, old: Iterable[Number], new: Iterable[Number]) -> Iterator[
         elif then is not None and today is None:
             yield Move(name, key, then.unit, then.value, math.nan, math.nan, "gone")
         elif then is not None and today is not None:
-            yield _move(name, then, today)
+            yield _move(name, then, today, again)
 
 
-def _move(name: str, then: Number, now: Number) -> Move:
-    noise = NOISE_SIGMAS * math.hypot(then.standard_error, now.standard_error)
-    bound = max(then.allowed, now.allowed, noise)
+def _move(name: str, then: Number, now: Number, again: bool) -> Move:
+    # the same versions, seed and rig make the same noise: then there is nothing but rounding to allow for
+    noise = 0.0 if again else NOISE_SIGMAS * math.hypot(then.standard_error, now.standard_error)
+    rounding = ROUNDING * abs(then.value) if then.standard_error else 0.0
+    bound = max(then.allowed, now.allowed, noise, rounding)
     change = abs(now.value - then.value)
     verdict: Verdict = "moved"
     if now.value == then.value or (math.isnan(now.value) and math.isnan(then.value)):

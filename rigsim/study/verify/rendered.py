@@ -20,6 +20,9 @@ NOISE_PX = 0.25
 SENSOR = Sensor(blur_px=0.7, grey_noise=2.0)
 """Lens and sensor that the pictures are taken with: a common one."""
 
+FEWEST_MATCHES = 30
+"""With fewer matches the ratio of two errors is a matter of chance."""
+
 Stream = Callable[[str], np.random.Generator]
 
 
@@ -85,6 +88,8 @@ def measured_case(simulator: Simulator, rig: StereoRig, method: str, stream: Str
     kept = ~found.outlier & np.isfinite(found.error_px).all(axis=1)
     if not kept.any():
         return f"{scene} {method}: {found.why or 'nothing was found that both cameras see'}"
+    if kept.sum() < FEWEST_MATCHES:
+        return f"{scene} {method}: {kept.sum()} matches, too few to hold errors against"
     return Case(
         f"{scene} {method}",
         scene,

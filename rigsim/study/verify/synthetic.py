@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -19,7 +20,8 @@ from rigsim.study.verify.case import Case
 from rigsim.theory.uncertainty import parallax_px
 
 _BATCH = 4096
-_MOST_BATCHES = 50
+_PATIENCE = 50  # batches
+_LEAST_SHARE = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +146,7 @@ def visible_points(geometry: Geometry, n: int, rng: np.random.Generator) -> Arra
     rig, (near_m, far_m) = geometry.rig, geometry.range_m
     kept: list[Array] = []
     found = 0
-    for _ in range(_MOST_BATCHES):
+    for batch in itertools.count(1):
         uv = -0.5 + rng.random((_BATCH, 2)) * (rig.left.width, rig.left.height)
         depth_m = np.exp(rng.uniform(math.log(near_m), math.log(far_m), _BATCH))
         points = np.column_stack([rig.left.normalize(uv), np.ones(_BATCH)]) * depth_m[:, None]
@@ -154,10 +156,13 @@ def visible_points(geometry: Geometry, n: int, rng: np.random.Generator) -> Arra
         kept.append(points[seen])
         found += int(seen.sum())
         if found >= n:
-            return np.concatenate(kept)[:n]
-    raise InvalidRange(
-        f"range {near_m:g}:{far_m:g} m: both cameras see next to nothing there; choose another range"
-    )
+            break
+        if batch >= _PATIENCE and found < _LEAST_SHARE * batch * _BATCH:
+            raise InvalidRange(
+                f"rig {geometry.name!r}: the right camera sees less than {_LEAST_SHARE:.1%} of what the left "
+                f"one sees at {near_m:.3g} to {far_m:.3g} m; turn the cameras towards each other"
+            )
+    return np.concatenate(kept)[:n]
 
 
 def exact(geometry: Geometry, n: int, rng: np.random.Generator) -> Case:
