@@ -68,20 +68,21 @@ def worst_reference(rig: StereoRig) -> float:
     off = causes(rig, CLASSES["machined"].tolerances(rig))
     compensator = make_compensator(rig, off, Recalibration(), RANGE_M)
     thetas = draw(off, _REFERENCES, rng) * off.std @ off.effect
-    pixels = compensator.observe(thetas, rng)
-    ours = (compensator.residuals(pixels, compensator.solve(pixels)) ** 2).sum(axis=1)
+    pixels, lengths_m = compensator.observe(thetas, rng)
+    found = compensator.solve(pixels, lengths_m)
+    ours = (compensator.residuals(pixels, lengths_m, found) ** 2).sum(axis=1)
     worst = 0.0
     for i in range(_REFERENCES):
 
         def residuals(scaled: Array, i: int = i) -> Array:
-            return single_residuals(compensator, pixels[:, i], scaled * compensator.std)
+            return single_residuals(compensator, pixels[:, i], lengths_m[i], scaled * compensator.std)
 
         best = least_squares(residuals, np.zeros(12), jac="3-point", xtol=1e-15, ftol=1e-15, gtol=1e-15)
         worst = max(worst, abs(ours[i] / (2 * best.cost) - 1))
     return worst
 
 
-def single_residuals(compensator: Compensator, pixels: Array, theta: Array) -> Array:
+def single_residuals(compensator: Compensator, pixels: Array, known_m: float, theta: Array) -> Array:
     """The residuals of one rig, by its own pose, lenses and optimal triangulation."""
     rig = built(compensator.rig, theta)
     left = np.column_stack([rig.left.normalize(pixels[:2].T), np.ones(pixels.shape[1])])
@@ -93,7 +94,6 @@ def single_residuals(compensator: Compensator, pixels: Array, theta: Array) -> A
     )
     epipolar = (right * lines_right).sum(axis=1) / np.linalg.norm(slopes, axis=1)
     one, other = triangulate(rig, pixels[:2, -2:].T, pixels[2:, -2:].T)
-    known_m = compensator.length_m
     length = known_m * (1 - known_m / np.linalg.norm(other - one)) / length_sigma_m(compensator)
     return np.concatenate([epipolar[:-2] / compensator.noise_px, [length], theta / compensator.std])
 

@@ -140,3 +140,15 @@ def test_the_same_seed_gives_the_same_indices() -> None:
     assert found[2] is not None
     assert np.array_equal(found[0].error.total, found[1].error.total)
     assert not np.array_equal(found[0].error.total, found[2].error.total)
+
+
+def test_many_quantities_need_more_to_be_noticed() -> None:
+    # Student's t with 7 degrees of freedom exceeds 4.785 once in a thousand, 7.272 once in twelve thousand
+    def seen(quantities: int, errors: float) -> tuple[int, ...]:
+        together = np.zeros(quantities)
+        together[0] = 0.1
+        se = np.full(quantities, 0.1 / errors)
+        return Indices(together, se, together, se, together, se).noticed
+
+    assert (seen(1, 4.7), seen(1, 4.9)) == ((), (0,))
+    assert (seen(12, 7.2), seen(12, 7.35)) == ((), (0,))

@@ -269,6 +269,27 @@ def test_a_baseline_error_is_removed_by_one_known_length() -> None:
     assert turned.judged.after_per_rig_mm.max() < 0.05
 
 
+@pytest.mark.parametrize(("tape_mm", "baseline_mm"), [(0.5, 1.0), (5.0, 1.0), (5.0, 0.35)])
+def test_an_error_of_the_known_length_scales_every_depth(tape_mm: float, baseline_mm: float) -> None:
+    session = Recalibration(noise_px=0.0, length_std_mm=tape_mm)
+    result = small_run(
+        Tolerances(baseline_mm=baseline_mm),
+        Requirement(0.005, 3.0),
+        recalibration=session,
+        n_rigs=4000,
+        n_points=24,
+        with_interactions=False,
+    )
+    after, length_m = result.judged.after_per_rig_mm, result.known_length_m
+    assert after is not None
+    assert length_m is not None
+    # Z s / L by the tape, Z dB / B by the tolerance; the two weighed add by their inverse squares
+    by_tape, by_build = 3.0 * tape_mm / length_m, 3.0 * baseline_mm / 0.12
+    due_mm = 1 / math.hypot(1 / by_tape, 1 / by_build)
+    # an RMS of 4000 has a standard error of 1.1 %
+    assert math.sqrt((after**2).mean()) == pytest.approx(due_mm, rel=0.04)
+
+
 def test_what_comes_after_the_calibration_stays() -> None:
     late = Tolerances(baseline_mm=1.0, temperature_k=20.0)
     exact = Recalibration(noise_px=0.0, length_std_mm=1e-4)
@@ -285,11 +306,11 @@ def test_compensator_is_the_least_squares_solution(kind: str) -> None:
     thetas = rng.standard_normal((2, 12)) * STD
     marks = np.array([[-0.3, 0.1, 2.5], [0.4, -0.1, 2.7]])
     compensator = Compensator(rig, points_in_view(rig, 24, *RANGE), marks, STD, noise_px=0.05)
-    pixels = compensator.observe(thetas, rng)
-    found = compensator.solve(pixels)
+    pixels, lengths_m = compensator.observe(thetas, rng)
+    found = compensator.solve(pixels, lengths_m)
     for i in range(len(thetas)):
         reference = least_squares(
-            lambda scaled, i=i: independent_residuals(compensator, pixels[:, i], scaled * STD),
+            lambda scaled, i=i: independent_residuals(compensator, pixels[:, i], lengths_m[i], scaled * STD),
             np.zeros(12),
             xtol=1e-15,
             ftol=1e-15,
@@ -297,12 +318,12 @@ def test_compensator_is_the_least_squares_solution(kind: str) -> None:
             x_scale=1.0,
             jac="3-point",
         )
-        ours = (compensator.residuals(pixels, found)[i] ** 2).sum()
+        ours = (compensator.residuals(pixels, lengths_m, found)[i] ** 2).sum()
         assert ours == pytest.approx(2 * reference.cost, rel=1e-6)
         close(found[i] / STD, reference.x, rtol=0, atol=2e-5)
 
 
-def independent_residuals(compensator: Compensator, pixels: Array, theta: Array) -> Array:
+def independent_residuals(compensator: Compensator, pixels: Array, known_m: float, theta: Array) -> Array:
     """The same residuals with one rig at a time: its own pose, lenses and optimal triangulation."""
     rig = true_rig(compensator.rig, theta)
     left = np.column_stack([rig.left.normalize(pixels[:2].T), np.ones(pixels.shape[1])])
@@ -315,7 +336,7 @@ def independent_residuals(compensator: Compensator, pixels: Array, theta: Array)
     )
     epipolar = (right * lines_right).sum(axis=1) / np.linalg.norm(slopes, axis=1)
     one, other = triangulate(rig, pixels[:2, -2:].T, pixels[2:, -2:].T)
-    length_error = compensator.length_m * (1 - compensator.length_m / np.linalg.norm(other - one))
+    length_error = known_m * (1 - known_m / np.linalg.norm(other - one))
     return np.concatenate(
         [
             epipolar[:-2] / compensator.noise_px,

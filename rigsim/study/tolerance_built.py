@@ -103,7 +103,7 @@ def depth_errors(
         _mean_squares(built[block] @ scaled.T, cuts, linear[:, block])
         if compensator is not None:
             known = deviations * ~off.after_calibration @ off.effect
-            batch = RigBatch(rig, compensator.solve(compensator.observe(known, rng)))
+            batch = RigBatch(rig, compensator.solve(*compensator.observe(known, rng)))
             depth = batch.triangulate(batch.rays(pixels, read or read_rays(rig, pixels)))[2]
             _mean_squares(depth - points[:, 2], cuts, after[:, block])
     found = []

@@ -41,7 +41,7 @@ class Compensator:
     noise_px: float = 0.025
     """Standard deviation of one pixel coordinate, after averaging over pictures."""
     length_std_m: float = 1e-4
-    """Standard deviation of the known length, m."""
+    """Standard deviation of the known length, m; every rig is told one with an error of its own."""
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.std).all() and (self.std >= 0).all()):
@@ -51,37 +51,42 @@ class Compensator:
 
     @property
     def length_m(self) -> float:
-        """The known length, m."""
+        """The marks' true distance, m."""
         return float(np.linalg.norm(self.marks_left[1] - self.marks_left[0]))
 
-    def observe(self, thetas: Array, rng: np.random.Generator) -> Array:
-        """Pixels (4, n, m + 2) that rigs off by `thetas` (n, 12) see; the marks come last."""
+    def observe(self, thetas: Array, rng: np.random.Generator) -> tuple[Array, Array]:
+        """What rigs off by `thetas` (n, 12) have: pixels (4, n, m + 2), the marks last, and lengths (n,) m.
+
+        Each length is what one calibration is told of the marks' distance, off by its own error.
+        """
         points = np.concatenate([self.features_left, self.marks_left])
         pixels = RigBatch(self.rig, thetas).project(points)
         pixels += self.noise_px * rng.standard_normal(pixels.shape)
-        return pixels
+        # no tape reads less than nothing
+        lengths_m = np.abs(self.length_m + self.length_std_m * rng.standard_normal(len(thetas)))
+        return pixels, lengths_m
 
-    def residuals(self, pixels: Array, thetas: Array) -> Array:
+    def residuals(self, pixels: Array, lengths_m: Array, thetas: Array) -> Array:
         """Weighted residuals (n, m + 1 + 12): epipolar errors, the length's, and the quantities' own."""
         batch = RigBatch(self.rig, thetas)
-        return self._residuals(batch, thetas, batch.rays(pixels, read_rays(self.rig, pixels)))
+        return self._residuals(batch, lengths_m, thetas, batch.rays(pixels, read_rays(self.rig, pixels)))
 
-    def solve(self, pixels: Array) -> Array:
-        """The quantities (n, 12) that minimise the squared `residuals` of `pixels` (4, n, m + 2)."""
+    def solve(self, pixels: Array, lengths_m: Array) -> Array:
+        """The quantities (n, 12) that minimise the squared `residuals` of what was observed."""
         free = np.flatnonzero(self.std > 0)
         thetas = np.zeros((pixels.shape[1], len(PARAMETERS)))
         rays = read_rays(self.rig, pixels)
         for _ in range(_MOST_STEPS):
             batch = RigBatch(self.rig, thetas)
             rays = batch.rays(pixels, rays)
-            residual = self._residuals(batch, thetas, rays)
+            residual = self._residuals(batch, lengths_m, thetas, rays)
             J = np.empty((*residual.shape, len(free)))
             for place, k in enumerate(free):
                 moved = thetas.copy()
                 moved[:, k] += _STEP * self.std[k]
                 batch = RigBatch(self.rig, moved)
                 read = self._read_again(batch, PARAMETERS[k], pixels, rays)
-                J[:, :, place] = (self._residuals(batch, moved, read) - residual) / _STEP
+                J[:, :, place] = (self._residuals(batch, lengths_m, moved, read) - residual) / _STEP
             # what one rig does not see has no say; the tolerances keep the system regular
             hidden = ~(np.isfinite(residual) & np.isfinite(J).all(axis=2))
             residual[hidden] = 0.0
@@ -102,7 +107,7 @@ class Compensator:
         left = batch.rays_left(pixels, rays, 1) if name.startswith("both_") else rays.left
         return Rays(left, batch.rays_right(pixels, rays, 1))
 
-    def _residuals(self, batch: RigBatch, thetas: Array, rays: Rays) -> Array:
+    def _residuals(self, batch: RigBatch, lengths_m: Array, thetas: Array, rays: Rays) -> Array:
         noise_px = max(self.noise_px, _LEAST_NOISE_PX)
         epipolar = batch.epipolar_error_px(rays)[:, :-_MARKS] / noise_px
         (xl, yl), (xr, yr) = rays.left, rays.right
@@ -111,7 +116,8 @@ class Compensator:
         length = np.sqrt(np.diff(x) ** 2 + np.diff(y) ** 2 + np.diff(z) ** 2)
         scaled = np.where(self.std > 0, thetas / np.where(self.std > 0, self.std, 1.0), 0.0)
         # in the inverse length, which disparity moves evenly: a mark read at infinity is no infinite error
-        off = self.length_m * (1 - self.length_m / length) / self._length_sigma_m
+        known = lengths_m[:, None]
+        off = known * (1 - known / length) / self._length_sigma_m
         return np.concatenate([epipolar, off, scaled], axis=1)
 
     @property

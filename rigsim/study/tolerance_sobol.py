@@ -14,7 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import qmc, sobol_indices
+from scipy.stats import qmc, sobol_indices, t
 
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
@@ -27,7 +27,7 @@ LOG2_SAMPLES = 9
 """Base-two logarithm of the samples in each."""
 NOTICEABLE = 0.01
 """Share of the variance from which interactions are worth a word."""
-_SURE = 3.0
+_CHANCE = 1e-3  # that sampling alone makes any quantity of a study seem to act on others
 _POINTS = 64
 _EDGE = 1e-12
 
@@ -52,7 +52,8 @@ class Indices:
     @property
     def noticed(self) -> tuple[int, ...]:
         """Places of the quantities that act on others, noticeably and beyond the sampling error."""
-        sure = self.together > np.maximum(NOTICEABLE, _SURE * self.together_se)
+        errors = t.isf(_CHANCE / len(self.together), SHIFTS - 1)
+        sure = self.together > np.maximum(NOTICEABLE, errors * self.together_se)
         return tuple(np.flatnonzero(sure).tolist())
 
 
