@@ -46,6 +46,9 @@ def test_a_verified_rig_with_its_files(capsys: pytest.CaptureFixture[str], tmp_p
     asked = {item["requirement"]: item for item in document["requirements"]}
     close(float(overlap_at_depth(rig, 0.5).fraction), asked["overlap"]["achieved"], rtol=1e-9)
     close(float(overlap_at_depth(rig, 2.0).width_m) * 1e3, asked["cover"]["achieved"], rtol=1e-9)
+    assert asked["depth_error"]["points_n"] >= 100
+    assert asked["depth_error"]["nearest_mm"] < asked["depth_error"]["farthest_mm"]
+    assert (asked["overlap"]["points_n"], asked["fov"]["nearest_mm"]) == (0, None)
     close(asked["depth_error"]["simulated"], asked["depth_error"]["achieved"], rtol=0.03)
     page = (tmp_path / "out" / "design.html").read_text()
     assert "Verified by simulation" in page
@@ -60,8 +63,10 @@ def test_the_report_says_what_to_buy_and_what_to_hold(
     words = [*ASKED, "--sensor", "ov9282", "--lens", "4mm", "--noise", "0.25", "--no-proof"]
     assert run(["design", *words, "--class", "calibrated", "--out", "out"]) == 0
     printed = capsys.readouterr().out
-    assert "Good rigs, % as built / recalibrated: printed" in printed
-    assert "calibrated rigs" in printed
+    assert re.search(
+        r"Good of 300 rigs each, % as built / recalibrated: printed \d+ / \d+, machined", printed
+    )
+    assert "of 300 calibrated rigs" in printed
     page = (tmp_path / "out" / "design.html").read_text()
     for said in ("OmniVision OV9282, 3.84 × 2.40 mm", "4 mm, image circle at least 4.5 mm", "Mounting"):
         assert said in page

@@ -13,7 +13,9 @@ from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.design_checks import Check, Sight, check, nearest_points
+from rigsim.study.design_proof import grounds
 from rigsim.study.measured import Measured
+from rigsim.study.plan import Plan
 from rigsim.theory.inverse import P95_OVER_STD, Requirement
 
 # f 1000 px, 1280 px wide, 100 mm; noise 0.25 px: at 3 m 9 x 0.25 sqrt(2) / 100 = 31.8 mm
@@ -122,6 +124,28 @@ def test_pixels_are_held_to_the_same(per_std: float) -> None:
     none = sight(at(2.7), np.full(400, 0.03), matches(points[:29], np.full(29, 0.5)))
     assert math.isnan(found(tight, none).measured)
     assert not found(tight, none).is_missed_by_pixels
+
+
+def test_grounds_count_each_point_once_and_say_where_they_are() -> None:
+    plan = Plan(scene="hall", n_trials=50)
+    std, p95 = (Requirement("depth_error", 1.0, 3.0, per_std) for per_std in (1.0, P95_OVER_STD))
+    near = Requirement("depth_error", 1.0, 1.7)
+    # 150 points about 1.64 m: nothing is within 1.25 of 3 m, so the nearest 100 stand for it
+    seen = sight(at(np.linspace(1.63, 1.65, 150), 150), np.full(150, 1e-3))
+    both = [found(std, seen), found(p95, seen)]
+    assert [held.n_points for held in both] == [100, 100]
+    assert both[0].is_widened
+    far = "at 1.64 to 1.65 m (too few are closer to 3 m)"
+    assert f"in `hall` on 100 points {far}, 50 trials each" in grounds(both, plan, "", "")
+    also_near = [*both, found(near, seen)]
+    assert not also_near[-1].is_widened
+    assert f"on 150 points near the distances asked for and {far}, 50" in grounds(also_near, plan, "", "")
+    # matches of one distance are counted once as well
+    points = at(np.linspace(2.5, 3.4, 400))
+    seen = sight(points, np.full(400, 1e-3), matches(points, np.zeros(400)))
+    said = grounds([found(std, seen), found(p95, seen)], plan, "patches", "ideal")
+    assert "on 400 points near the distances asked for, 50" in said
+    assert "measured on 400 patches" in said
 
 
 def test_nearest_points_take_the_window_or_the_nearest() -> None:

@@ -21,7 +21,7 @@ from rigsim.present.design_console import (
     shown_by_words,
 )
 from rigsim.present.design_figures import pareto_figure, plan_figure, region_figure
-from rigsim.present.format import MISSING, count, percent
+from rigsim.present.format import MISSING, count
 from rigsim.present.tolerance import quantity_heads, quantity_rows, tolerance_figure
 from rigsim.rig.arrays import Image
 from rigsim.study import design_words as words
@@ -105,8 +105,8 @@ def _tolerance_part(tolerance: DesignTolerance) -> dict[str, Any]:
             (
                 item.name,
                 CLASSES[item.name].about,
-                percent(item.as_built),
-                MISSING if item.recalibrated is None else percent(item.recalibrated),
+                words.share(item.as_built),
+                MISSING if item.recalibrated is None else words.share(item.recalibrated),
             )
             for item in tolerance.yields
         ],

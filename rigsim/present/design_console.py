@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rigsim.present.console import make_console, print_table
-from rigsim.present.format import MISSING, number, percent
+from rigsim.present.format import MISSING, number
 from rigsim.study import design_words as words
 from rigsim.study.design import Candidate, Design, Specification
 from rigsim.study.design_document import held_to, recommended
@@ -96,11 +96,19 @@ def shown_by_words(design: Design, proofs: Sequence[Proof]) -> str:
         return ""
     found = {
         shown_by: ", ".join(
-            dict.fromkeys(words.name(c.requirement) for c in checks if c.shown_by == shown_by)
+            dict.fromkeys(
+                words.name(c.requirement) for c in checks if c.shown_by == shown_by and not c.is_widened
+            )
         )
         for shown_by in _SHOWN_BY
     }
     said = [f"{names} {_SHOWN_BY[shown_by]}" for shown_by, names in found.items() if names]
+    said += [
+        f"{words.name(c.requirement)} from points at "
+        f"{words.span(c.nearest_m, c.farthest_m)}, the nearest there are"
+        for c in checks
+        if c.is_widened
+    ]
     return f"Simulated: {'; '.join(said)}."
 
 
@@ -125,11 +133,11 @@ def achieved_value(asked: Requirement, pick: Candidate, spec: Specification) -> 
 def yields_words(tolerance: DesignTolerance) -> str:
     """How many rigs of each class are good, in a sentence."""
     said = (
-        f"{item.name} {percent(item.as_built)} / "
-        + (MISSING if item.recalibrated is None else percent(item.recalibrated))
+        f"{item.name} {words.share(item.as_built)} / "
+        + (MISSING if item.recalibrated is None else words.share(item.recalibrated))
         for item in tolerance.yields
     )
-    return f"Good rigs, % as built / recalibrated: {', '.join(said)}."
+    return f"Good of {tolerance.result.n_rigs} rigs each, % as built / recalibrated: {', '.join(said)}."
 
 
 def candidate_row(candidate: Candidate) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ plane there where it has not.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -70,7 +70,7 @@ class Check:
     shown_by: str
     """What says so: points, plane, rays, pictures or cameras."""
     n_points: int = 0
-    """Points it rests on, where it rests on points."""
+    """Points of the scene it rests on, where it rests on them."""
     nearest_m: float = math.nan
     """Depth of the nearest of them, m."""
     farthest_m: float = math.nan
@@ -81,6 +81,18 @@ class Check:
     """The same from the pixels, for depth errors; NaN where too little was matched near the distance."""
     n_measured: int = 0
     """Matches near the distance."""
+    points: frozenset[int] = field(default=frozenset(), repr=False)
+    """Which of the sight's points a depth error rests on: two requirements may share them."""
+    matches: frozenset[int] = field(default=frozenset(), repr=False)
+    """Which of its matches, likewise."""
+
+    @property
+    def is_widened(self) -> bool:
+        """Whether some of the points lie beyond a factor of 1.25 of the distance, for want of nearer ones."""
+        if self.shown_by != "points" or not self.n_points:
+            return False
+        at_m = self.requirement.depth_m
+        return max(at_m / self.nearest_m, self.farthest_m / at_m) > _WINDOW * (1 + 1e-9)
 
     @property
     def is_met(self) -> bool:
@@ -127,7 +139,7 @@ def nearest_points(depth_m: Array, at_m: float, fewest: int) -> Ids:
 
 
 def _depth_error(asked: Requirement, sight: Sight, rng: np.random.Generator) -> Check:
-    known = np.isfinite(sight.depth_rmse_m)
+    known = np.flatnonzero(np.isfinite(sight.depth_rmse_m))
     points, rmse_m = sight.points_left[known], sight.depth_rmse_m[known]
     chosen = nearest_points(points[:, 2], asked.depth_m, FEWEST_POINTS)
     if not len(chosen):
@@ -138,7 +150,9 @@ def _depth_error(asked: Requirement, sight: Sight, rng: np.random.Generator) -> 
         error_m = math.sqrt(float(np.mean(rmse_m[chosen] ** 2)) / float(np.mean(scale**2)))
     else:
         error_m = _p95_m(points[chosen], scale, sight, rng)
-    return Check(asked, error_m, "points", len(chosen), float(depth_m.min()), float(depth_m.max()))
+    near_m, far_m = float(depth_m.min()), float(depth_m.max())
+    places = frozenset(known[chosen].tolist())
+    return Check(asked, error_m, "points", len(chosen), near_m, far_m, points=places)
 
 
 def _p95_m(points_left: Array, scale: Array, sight: Sight, rng: np.random.Generator) -> float:
@@ -166,7 +180,8 @@ def _with_measured(held: Check, sight: Sight) -> Check:
         size_m = math.sqrt(float(np.mean(error_m**2)) / float(np.mean(scale**2)))
     else:
         size_m = float(np.quantile(np.abs(error_m) / scale, 0.95))
-    return replace(held, measured=size_m, n_measured=int(kept.sum()))
+    places = frozenset(np.flatnonzero(kept).tolist())
+    return replace(held, measured=size_m, n_measured=len(places), matches=places)
 
 
 def _disparity(asked: Requirement, sight: Sight) -> Check:

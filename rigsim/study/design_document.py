@@ -142,6 +142,9 @@ def _achieved(asked: Requirement, pick: Candidate, design: Design, proofs: Seque
         "achieved": _clean(predicted * scale),
         "simulated": None if held is None else _known(held.simulated * scale),
         "shown_by": None if held is None else held.shown_by,
+        "points_n": 0 if held is None else held.n_points,
+        "nearest_mm": None if held is None else _known(held.nearest_m * 1e3),
+        "farthest_mm": None if held is None else _known(held.farthest_m * 1e3),
         "measured": None if held is None else _known(held.measured * scale),
         "measured_n": 0 if held is None else held.n_measured,
         "met": bool(

@@ -126,22 +126,38 @@ def _prove(candidate: Candidate, design: Design, room: Room, noise: PixelNoise) 
     method = matches.method if matches is not None and len(matches.outlier) else ""
     verified = not why
     if verified:
-        why = _grounds(checks, room.plan, method, label)
+        why = grounds(checks, room.plan, method, label)
     return Proof(
         candidate, checks, verified, why if verified else f"not verified: {why}", show, label, method
     )
 
 
-def _grounds(checks: Sequence[Check], plan: Plan, method: str, label: str) -> str:
+def grounds(checks: Sequence[Check], plan: Plan, method: str, label: str) -> str:
+    """How a pick was verified: on what was simulated and measured, each point counted once."""
     errors = [held for held in checks if held.requirement.kind == "depth_error"]
-    n_points, n_measured = sum(held.n_points for held in errors), sum(held.n_measured for held in errors)
+    # two requirements of one distance rest on the same points
+    n_points = len(frozenset[int]().union(*(held.points for held in errors)))
+    n_measured = len(frozenset[int]().union(*(held.matches for held in errors)))
     simulated = (
-        f"verified: simulated in `{plan.scene}` on {n_points} points near the distances asked for, "
+        f"verified: simulated in `{plan.scene}` on {n_points} points {_where(errors)}, "
         f"{plan.n_trials} trials each"
     )
     if n_measured:
         return f"{simulated}, and measured on {n_measured} {method} in the pictures (sensor: {label})"
     return f"{simulated}; the pictures have too little to measure near those distances"
+
+
+def _where(errors: Sequence[Check]) -> str:
+    """Where the points lie: near the distances, or else how far off."""
+    widened = {
+        held.requirement.depth_m: f"at {words.span(held.nearest_m, held.farthest_m)} "
+        f"(too few are closer to {words.distance(held.requirement.depth_m)})"
+        for held in errors
+        if held.is_widened
+    }
+    if all(held.is_widened for held in errors):
+        return " and ".join(widened.values())
+    return " and ".join(["near the distances asked for", *widened.values()])
 
 
 def _objection(checks: Sequence[Check], agreement: str, plan: Plan) -> str:

@@ -111,8 +111,8 @@ def _says(result: ToleranceResult, asked: Asked, yields: Sequence[ClassYield], c
     good = next((item.name for item in yields if item.as_built >= _GOOD), None)
     said = (
         f"To keep {words.size(result.required.error_m)} at {words.distance(asked.depth_m)} the build must "
-        f"hold the {hold}: of {class_name} rigs {_percent(own.as_built)} meet it as built, "
-        f"{_percent(after)} once each is recalibrated"
+        f"hold the {hold}: of {result.n_rigs} {class_name} rigs {words.share(own.as_built)} % meet it as "
+        f"built, {words.share(after)} % once each is recalibrated"
     )
     if good is not None:
         return f"{said}; class {good} will do as built."
@@ -125,7 +125,3 @@ def _says(result: ToleranceResult, asked: Asked, yields: Sequence[ClassYield], c
 
 
 _GOOD = 0.95
-
-
-def _percent(share: float) -> str:
-    return f"{share * 100:.0f} %" if share in (0, 1) or 0.005 <= share < 0.995 else f"{share * 100:.1f} %"

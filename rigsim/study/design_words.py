@@ -20,6 +20,19 @@ def distance(depth_m: float) -> str:
     return f"{depth_m:.4g} m"
 
 
+def span(near_m: float, far_m: float) -> str:
+    """A stretch of distances in m: ``1.63 to 1.65 m``."""
+    near, far = f"{near_m:.3g}", f"{far_m:.3g}"
+    return f"{near} m" if near == far else f"{near} to {far} m"
+
+
+def share(of_rigs: float) -> str:
+    """A share of a few hundred rigs in whole percent, without the sign; 0 and 100 only where all agree."""
+    if 0 < of_rigs <= 0.005:
+        return "< 1"
+    return "> 99" if 0.995 <= of_rigs < 1 else f"{of_rigs * 100:.0f}"
+
+
 def size(length_m: float, digits: int = 3) -> str:
     """A length in mm, or in m from 1 m on."""
     return f"{length_m:.{digits}g} m" if abs(length_m) >= 1 else f"{length_m * 1e3:.{digits}g} mm"

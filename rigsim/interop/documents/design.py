@@ -110,6 +110,12 @@ class Achieved(Part):
     """What it did in the scene; null where that was not simulated."""
     shown_by: Literal["points", "plane", "rays", "pictures", "cameras"] | None
     """What showed it; null without a proof."""
+    points_n: int
+    """Points of the scene that rests on; 0 where it rests on none."""
+    nearest_mm: float | None
+    """Depth of the nearest of what showed it, mm; null where no points or plane did."""
+    farthest_mm: float | None
+    """Depth of the farthest, mm; more than 1.25 times off the distance where the scene has too few nearer."""
     measured: float | None
     """What was measured in the pictures; null where nothing was."""
     measured_n: int
