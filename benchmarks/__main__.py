@@ -12,16 +12,18 @@ import cv2
 import numpy as np
 import scipy
 
-import benchmarks
+import benchmarks.verdicts
 from rigsim import __version__
 
 
 def main(names: list[str]) -> int:
     """Print the tables of the benchmarks called `names`, or of all; 2 when one does not exist."""
     known = sorted(m.name for m in pkgutil.iter_modules(benchmarks.__path__) if not m.name.startswith("_"))
-    unknown = [name for name in names if name not in known]
+    parts = {f"verdicts.{m.name}" for m in pkgutil.iter_modules(benchmarks.verdicts.__path__)}
+    unknown = [name for name in names if name not in {*known, *parts}]
     if unknown:
-        print(f"unknown benchmark {unknown[0]!r}: choose among {', '.join(known)}", file=sys.stderr)
+        choices = ", ".join(sorted([*known, *parts]))
+        print(f"unknown benchmark {unknown[0]!r}: choose among {choices}", file=sys.stderr)
         return 2
     print(
         f"rigsim {__version__}, numpy {np.__version__}, scipy {scipy.__version__}, OpenCV {cv2.__version__}, "

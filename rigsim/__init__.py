@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from rigsim.theory.triangulation import triangulate
     from rigsim.theory.uncertainty import (
         depth_bounds,
+        depth_in_sigmas,
         parallax_px,
         predict_covariance,
         predict_depth_bias,
@@ -55,6 +56,7 @@ _MODULES = {
     "rigsim.theory.triangulation": ("triangulate",),
     "rigsim.theory.uncertainty": (
         "depth_bounds",
+        "depth_in_sigmas",
         "parallax_px",
         "predict_covariance",
         "predict_depth_bias",
@@ -80,6 +82,7 @@ __all__ = [
     "SweepResult",
     "__version__",
     "depth_bounds",
+    "depth_in_sigmas",
     "depth_sensitivity",
     "parallax_px",
     "predict_covariance",

@@ -178,7 +178,7 @@ def test_low_disparity_is_counted_and_kept_out(scene: str):
     far = result.by_depth[result.by_depth["depth_near_mm"] > 4243]
     assert (far["low_disparity_fraction"] == 1).all()
     assert far["depth_rmse_mm"].isna().all()
-    assert (far["agreement"] == "flagged: every disparity is below 4 sigma").all()
+    assert (far["agreement"] == "flagged: every depth is below 4 of its standard deviations").all()
     assert row["depth_median_mm"] < 4243
     # the sentence speaks of it
     assert "under 4 standard deviations" in " ".join(result.verdict.sentences)

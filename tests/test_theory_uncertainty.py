@@ -13,12 +13,14 @@ from scipy.special import dawsn
 
 from rigsim.errors import InvalidRange
 from rigsim.rig.arrays import Array
+from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 from rigsim.theory.triangulation import triangulate
 from rigsim.theory.uncertainty import (
     depth_bounds,
+    depth_in_sigmas,
     parallax_px,
     pixel_gain,
     predict_covariance,
@@ -240,3 +242,23 @@ def test_wrong_input_is_named() -> None:
         depth_bounds(RIG, POINT, math.nan)
     with pytest.raises(InvalidRange, match=r"points of shape \(3,\): must be \(N, 3\)"):
         predict_depth_std(RIG, POINT[0], PixelNoise(0.1))
+
+
+def test_depth_in_sigmas_is_disparity_over_its_noise_when_rectified() -> None:
+    # f 1000 px, B 0.1 m, Z 5 m: d = 20 px; 0.5 px a coordinate makes 0.5 sqrt(2) of disparity
+    rig = StereoRig.rectified(Intrinsics.from_focal(1280, 720, 1000.0), 0.1)
+    found = depth_in_sigmas(rig, [[0.3, -0.2, 5.0]], PixelNoise(0.5))
+    np.testing.assert_allclose(found, [20 / (0.5 * math.sqrt(2))], rtol=1e-12)
+    assert depth_in_sigmas(rig, [[0.0, 0.0, 5.0]], PixelNoise(0.0))[0] == math.inf
+
+
+def test_depth_in_sigmas_counts_both_lenses_and_correlation() -> None:
+    # right camera zoomed three times: its ray is three times as certain, so sigma_d = s sqrt(1 + 1/9)
+    # of the left camera's pixels; a correlation of 0.5 takes s^2 (1 + 1/9 - 2 * 0.5 / 3)
+    left, right = Intrinsics.from_focal(1280, 720, 1000.0), Intrinsics.from_focal(1280, 720, 3000.0)
+    pose = StereoRig.rectified(left, 0.1).right_from_left
+    rig = StereoRig(left, right, pose)
+    alone = depth_in_sigmas(rig, [[0.05, 0.0, 5.0]], PixelNoise(0.5))
+    np.testing.assert_allclose(alone, [20 / (0.5 * math.sqrt(1 + 1 / 9))], rtol=1e-9)
+    together = depth_in_sigmas(rig, [[0.05, 0.0, 5.0]], PixelNoise(0.5, correlation=0.5))
+    np.testing.assert_allclose(together, [20 / (0.5 * math.sqrt(1 + 1 / 9 - 1 / 3))], rtol=1e-9)

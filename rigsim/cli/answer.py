@@ -5,12 +5,21 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from rigsim.errors import OutputError
+
+if TYPE_CHECKING:
+    from rigsim.rig.remark import Remark
+
+
+def print_remarks(remarks: Iterable[Remark]) -> None:
+    """Print each remark once, a line each on standard error: ``rigsim: note: ...``."""
+    for text in dict.fromkeys(" ".join(remark.text.split()) for remark in remarks):
+        typer.echo(f"rigsim: note: {text}", err=True)
 
 
 def print_document(document: Mapping[str, Any]) -> None:

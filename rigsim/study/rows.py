@@ -14,7 +14,8 @@ from rigsim.study.measured import Measured, bins_of, measured_agreement, measure
 from rigsim.study.plan import Triangulator
 from rigsim.study.result import DEPTH_COLUMNS, ROW_COLUMNS, Row
 from rigsim.study.statistics import ErrorStatistics, ErrorSummary, summarize
-from rigsim.study.trial import LOW_DISPARITY_SIGMAS, Prediction
+from rigsim.study.trial import Prediction
+from rigsim.theory.uncertainty import LEAST_DEPTH_SIGMAS
 
 AGREEMENT_SIGMAS = 4.0
 """Standard errors by which prediction and simulation may differ: one false alarm in 16,000 rows."""
@@ -183,7 +184,7 @@ def _why_nothing(tried: int, low: Mask) -> str:
     if not tried:
         return "flagged: left and right share nothing"
     if low.all():
-        return f"flagged: every disparity is below {LOW_DISPARITY_SIGMAS:g} sigma"
+        return f"flagged: every depth is below {LEAST_DEPTH_SIGMAS:g} of its standard deviations"
     return "flagged: every triangulation failed"
 
 

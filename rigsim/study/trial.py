@@ -16,10 +16,12 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.study.plan import Triangulator
 from rigsim.study.statistics import ErrorStatistics
 from rigsim.theory.triangulation import triangulate
-from rigsim.theory.uncertainty import parallax_px, predict_covariance, predict_depth_rmse
-
-LOW_DISPARITY_SIGMAS = 4.0
-"""Below this many standard deviations of disparity the depth error has no useful moments."""
+from rigsim.theory.uncertainty import (
+    LEAST_DEPTH_SIGMAS,
+    depth_in_sigmas,
+    predict_covariance,
+    predict_depth_rmse,
+)
 
 _BLOCK = 1 << 16
 
@@ -37,7 +39,7 @@ class Prediction:
     whitening: Array
     """(6, N), 1/m; see `ErrorStatistics.add`."""
     low_disparity: Mask
-    """Whether the disparity is below `LOW_DISPARITY_SIGMAS` of its noise."""
+    """Whether the depth is below `LEAST_DEPTH_SIGMAS` of its own standard deviations."""
 
 
 def predict(rig: StereoRig, points_left: Array, noise: PixelNoise) -> Prediction:
@@ -55,7 +57,7 @@ def predict(rig: StereoRig, points_left: Array, noise: PixelNoise) -> Prediction
         truncation_m=truncation_m,
         square_std_m2=variance_m2 * np.sqrt(3 * (1 + 50 * a + 1225 * a * a) - 1),
         whitening=_whitening(covariance_m2),
-        low_disparity=parallax_px(rig, points_left) < LOW_DISPARITY_SIGMAS * noise.disparity_std_px,
+        low_disparity=depth_in_sigmas(rig, points_left, noise) < LEAST_DEPTH_SIGMAS,
     )
 
 

@@ -19,6 +19,9 @@ from rigsim.theory.blocks import blocks
 from rigsim.theory.epipolar import epipolar_motion
 from rigsim.theory.matrices import inverse_symmetric
 
+LEAST_DEPTH_SIGMAS = 4.0
+"""Below this ``Z / sigma_Z`` the depth error has no useful moments, and "std" and "RMS" say little."""
+
 _BLOCK = 8192
 _RELATIVE_STEP = 1e-5
 
@@ -41,6 +44,17 @@ def predict_covariance(rig: StereoRig, points_left: npt.ArrayLike, noise: PixelN
 def predict_depth_std(rig: StereoRig, points_left: npt.ArrayLike, noise: PixelNoise) -> Array:
     """Standard deviation (N,) m of the depth; ``Z^2/(f B) sigma_d`` when rectified."""
     return np.asarray(np.sqrt(_depth_variance(rig, _points(points_left), noise)))
+
+
+def depth_in_sigmas(rig: StereoRig, points_left: npt.ArrayLike, noise: PixelNoise) -> Array:
+    """Depth over its own standard deviation, ``Z / sigma_Z`` (N,); infinite without noise.
+
+    To first order the distance of the point at infinity in standard deviations, ``d / sigma_d`` when
+    rectified; from the point's own covariance it holds for any lenses, poses and correlation.
+    """
+    points = _points(points_left)
+    with np.errstate(divide="ignore"):
+        return np.asarray(points[:, 2] / predict_depth_std(rig, points, noise))
 
 
 def predict_depth_bias(rig: StereoRig, points_left: npt.ArrayLike, noise: PixelNoise) -> Array:

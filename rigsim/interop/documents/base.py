@@ -16,6 +16,15 @@ class Part(BaseModel):
     )
 
 
+class RemarkPart(Part):
+    """What a person should know beside the answer."""
+
+    code: str
+    """Short name, snake_case."""
+    text: str
+    """One sentence: the value, why it is odd, and the way out."""
+
+
 class Rig(Part):
     """A rig in short."""
 
