@@ -132,6 +132,16 @@ def test_a_colmap_model_of_one_image_is_no_rig() -> None:
         parse_colmap({"cameras.txt": files["cameras.txt"], "images.txt": one})
 
 
+def test_two_poses_of_one_colmap_camera_are_no_rig() -> None:
+    files = colmap_files(RIG, names=[("000.png", "001.png")])
+    one_camera = files["images.txt"].replace(" 2 001.png", " 1 001.png")
+    assert one_camera != files["images.txt"]
+    with pytest.raises(
+        InvalidRig, match=r"000.png and 001.png are both of camera 1: two poses of one camera"
+    ):
+        parse_colmap({"cameras.txt": files["cameras.txt"], "images.txt": one_camera})
+
+
 # --- Nerfstudio ---------------------------------------------------------------------------------
 
 
@@ -168,6 +178,24 @@ def test_transforms_with_shared_intrinsics_and_the_right_one_first() -> None:
         {key: frame[key] for key in ("file_path", "transform_matrix")} for frame in document["frames"][::-1]
     ]
     same_rig(parse_transforms(json.dumps({**shared, "frames": frames})), RIG)
+
+
+def test_poses_of_one_moving_camera_are_no_rig() -> None:
+    document = json.loads(transforms_json(RIG, names=[("frame_1.png", "frame_2.png")]))
+    with pytest.raises(
+        InvalidRig, match="2 frames, none called left and right: poses of one camera that moves"
+    ):
+        parse_transforms(json.dumps(document))
+
+
+def test_sides_that_move_against_each_other_are_no_rig() -> None:
+    document = json.loads(
+        transforms_json(RIG, [Pose(), MOVED], [("left_0", "right_0"), ("left_1", "right_1")])
+    )
+    same_rig(parse_transforms(json.dumps(document)), RIG)
+    document["frames"][3]["transform_matrix"][0][3] += 0.1
+    with pytest.raises(InvalidRig, match="the right camera moves against the left one"):
+        parse_transforms(json.dumps(document))
 
 
 @pytest.mark.parametrize(

@@ -57,9 +57,11 @@ P_rect_03: 7.215377e+02 0.000000e+00 6.095593e+02 -3.395242e+02 0.000000e+00 7.2
 
 def test_kitti_s_own_file() -> None:
     rig = parse_cam_to_cam(KITTI)
-    # (44.85728 + 339.5242) / 721.5377 = 0.532725 m
-    assert rig.baseline_m == pytest.approx(0.532725, abs=1e-6)
+    # x: ((44.85728 - 609.5593 * .002745884) + (339.5242 + 609.5593 * .002729905)) / 721.5377
+    assert -rig.right_from_left.t[0] == pytest.approx(0.5327119, abs=1e-6)
     assert rig.right_from_left.t[0] < 0
+    # z: 2.729905 - 2.745884 mm; y: (2.199936 - .2163791 - 172.854 * (.002729905 - .002745884)) / 721.5377
+    np.testing.assert_allclose(rig.right_from_left.t[1:], [2.7529e-3, -1.5979e-5], rtol=1e-4)
     assert (rig.left.width, rig.left.height, rig.left.cx) == (1242, 375, 609.5593)
 
 
@@ -260,3 +262,18 @@ def test_what_the_document_shows_is_printed(
 def test_the_document_names_every_format() -> None:
     rows = re.findall(r"^\| `(\w+)` \|", DOCUMENT, re.MULTILINE)
     assert rows == [*RIG_FORMATS, *DATASET_FORMATS]
+
+
+@pytest.mark.parametrize("format", ["opencv", "kalibr", "colmap"])
+def test_a_right_camera_on_the_left_is_told(format: str, tmp_path: Path) -> None:
+    exchanged = StereoRig(RIG.right, RIG.left, RIG.right_from_left.inverse)
+    for name, content in rig_files(exchanged, format).items():
+        (tmp_path / name).write_bytes(content)
+    with pytest.raises(InvalidRig, match=r"the right camera lies 120 mm to the left of the left one"):
+        read_calibration(tmp_path)
+
+
+def test_a_vertical_pair_is_not_called_exchanged(tmp_path: Path) -> None:
+    above = StereoRig(RIG.left, RIG.right, Pose(np.eye(3), np.array([0.01, 0.2, 0.0])))
+    (tmp_path / "stereo.yml").write_bytes(rig_files(above, "opencv")["stereo.yml"])
+    same_rig(read_calibration(tmp_path), above)

@@ -116,7 +116,14 @@ def test_small_numbers_stay_numbers() -> None:
             "left.yaml: projection_matrix.* -200: must be 0",
         ),
         (1, "-200.0", "0.0", r"right.yaml: projection_matrix\[0,3\] 0: must be -fx b"),
-        (1, "-200.0", "200.0", r"right.yaml: projection_matrix\[0,3\] 200: must be -fx b"),
+        (1, "-200.0", "200.0", r"right.yaml: projection_matrix\[0,3\] 200: .* lies to the left of the other"),
+        (
+            1,
+            "-200.0,\n         0.0, 800.0, 240.0, 0.0",
+            "0.0,\n         0.0, 800.0, 240.0, -200.0",
+            r"right.yaml: projection_matrix\[1,3\] -200, .* one above the other",
+        ),
+        (1, "240.0, 0.0", "240.0, -2.0", r"right.yaml: projection_matrix\[1,3\] -2 and .* must be 0"),
         (1, "plumb_bob", "equidistant", "right.yaml: distortion_model equidistant: must be plumb_bob or"),
         (
             0,

@@ -10,6 +10,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from rigsim.errors import InvalidRig, OutputError
 from rigsim.interop.colmap import parse_colmap
 from rigsim.interop.kalibr import parse_camchain
@@ -58,14 +60,24 @@ def read_calibration(path: Path) -> StereoRig:
     Middlebury's calib.txt; KITTI's calib_cam_to_cam.txt; COLMAP's cameras.txt with its neighbours; MJCF's
     rig.xml; Nerfstudio's transforms.json.
 
+    A calibration with its right camera on the left side is refused; a rig.toml or rig.xml is taken as it was
+    drawn up.
+
     Raises:
         OutputError: it cannot be read, or is a folder with no calibration or with several.
-        InvalidRig: it holds no rig that can be; the message names the file.
+        InvalidRig: it holds no rig that can be, or has its sides exchanged; the message names the file.
     """
     path = _found(path)
-    if path.suffix.lower() in _PARSERS:
-        return _PARSERS[path.suffix.lower()](path)
-    return read_rig(path)
+    suffix = path.suffix.lower()
+    if suffix not in _PARSERS:
+        return read_rig(path)
+    rig = _PARSERS[suffix](path)
+    if suffix != ".xml" and _sides_exchanged(rig):
+        raise InvalidRig(
+            f"{path}: the right camera lies {rig.baseline_m * 1e3:.4g} mm to the left of the left one: the"
+            " cameras are exchanged, or the pose between them is inverted; exchange the cameras in the file"
+        )
+    return rig
 
 
 def calibration_sensor(path: Path) -> Sensor | None:
@@ -88,6 +100,13 @@ def disparity_range(path: Path) -> tuple[float, float] | None:
     if path.suffix.lower() != ".txt" or path.name in _COLMAP_NAMES or _is_kitti(read_text(path)):
         return None
     return read_calib(path).disparity_range
+
+
+def _sides_exchanged(rig: StereoRig) -> bool:
+    """Whether both cameras of a horizontal pair see the other one on the wrong side."""
+    right_in_left, left_in_right = rig.right_from_left.inverse.t, rig.right_from_left.t
+    sideways = all(abs(place[0]) == np.abs(place).max() for place in (right_in_left, left_in_right))
+    return bool(sideways and right_in_left[0] < 0 < left_in_right[0])
 
 
 def _found(path: Path) -> Path:

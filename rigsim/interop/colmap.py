@@ -79,10 +79,11 @@ def parse_colmap(texts: Mapping[str, str]) -> StereoRig:
     """The rig in the texts of a model, by file name: ``cameras.txt``, and ``rigs.txt`` or ``images.txt``.
 
     The left camera is the first rig's reference; in a model without rigs it is the first image's, and the
-    right one the second image's.
+    right one the second image's, which must be of another camera: two poses of one camera are no rig.
 
     Raises:
-        InvalidRig: a line cannot be read, a camera is missing, or its model is unknown.
+        InvalidRig: a line cannot be read, a camera is missing or moves between the images, or its model is
+            unknown.
     """
     cameras = {}
     for words, where in _lines(texts["cameras.txt"], "cameras.txt"):
@@ -154,6 +155,12 @@ def _first_two(text: str) -> tuple[str, str, Pose]:
     if len(seen) < 2:
         raise InvalidRig(
             f"images.txt: has {len(seen)} image(s), must have 2, left and right; or give a rigs.txt"
+        )
+    names = [words[9] for words, _ in seen]
+    if seen[0][0][8] == seen[1][0][8] and not ("left" in names[0] and "right" in names[1]):
+        raise InvalidRig(
+            f"images.txt: {clipped(names[0])} and {clipped(names[1])} are both of camera {seen[0][0][8]}: two"
+            " poses of one camera that moves are no rig; give a rigs.txt, or name the images left and right"
         )
     left, right = (_pose(words[1:8], where) for words, where in seen)
     return seen[0][0][8], seen[1][0][8], right @ left.inverse

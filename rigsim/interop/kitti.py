@@ -2,7 +2,8 @@
 
 ``calib_cam_to_cam.txt`` has one line a value: ``S_rect_02`` the rectified size, ``P_rect_02`` and
 ``P_rect_03`` the rectified projections (3 x 4, row by row) of the left and the right colour camera. There
-``P[0,3] = -fx x``, x the camera's place along the first one's rows, metres; only the two's difference counts.
+the last column is ``K t``, ``t`` mapping the first camera's rectified frame to this one's, metres; only the
+difference of the two counts. KITTI's own pairs are some millimetres off in y and z, which is kept.
 """
 
 from __future__ import annotations
@@ -73,7 +74,6 @@ def parse_cam_to_cam(text: str) -> StereoRig:
         raise InvalidRig(
             "P_rect_02 and P_rect_03: must share focal lengths and cy: the pair is not rectified"
         )
-    fx = float(left[0, 0])
     if not left[0, 3] > right[0, 3]:
         raise InvalidRig(
             f"P_rect_02[0,3] {left[0, 3]:g} and P_rect_03[0,3] {right[0, 3]:g}: the left one must be larger"
@@ -83,8 +83,14 @@ def parse_cam_to_cam(text: str) -> StereoRig:
     def camera(P: Array, name: str) -> Intrinsics:
         return lens(width, height, P[:, :3], None, name)
 
-    pose = Pose(np.eye(3), np.array([(right[0, 3] - left[0, 3]) / fx, 0.0, 0.0]))
+    pose = Pose(np.eye(3), _place(right) - _place(left))
     return StereoRig(camera(left, "P_rect_02"), camera(right, "P_rect_03"), pose)
+
+
+def _place(P: Array) -> Array:
+    """``t`` (3,), m, of ``P = K [1 | t]``."""
+    x, y, z = (float(value) for value in P[:, 3])
+    return np.array([(x - P[0, 2] * z) / P[0, 0], (y - P[1, 2] * z) / P[1, 1], z])
 
 
 def _numbers(values: dict[str, str], key: str, count: int) -> Array:

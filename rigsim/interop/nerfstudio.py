@@ -24,6 +24,7 @@ from rigsim.sim.axes import CV_FROM_GL
 FILE_NAME = "transforms.json"
 
 _HALF = 0.5
+_STILL = 0.01  # of the baseline: more than what poses from pictures are off by
 _TERMS = ("k1", "k2", "p1", "p2", "k3")
 _MODELS = ("OPENCV", "PINHOLE", "SIMPLE_PINHOLE")
 
@@ -50,11 +51,11 @@ def transforms_json(
 def parse_transforms(text: str) -> StereoRig:
     """The rig in the text of a transforms.json.
 
-    The pair is the first frame whose path has ``left`` in it and the first with ``right``, else the first
-    two frames.
+    The pair is the first frame whose path has ``left`` in it and the first with ``right``. Frames without
+    such names are poses of one camera that moves; sides that move against each other are no rig either.
 
     Raises:
-        InvalidRig: no JSON, fewer than two frames, another camera model, or values cannot be.
+        InvalidRig: no JSON, fewer than two frames, no rig, another camera model, or values cannot be.
     """
     try:
         document = json.loads(text)
@@ -64,22 +65,37 @@ def parse_transforms(text: str) -> StereoRig:
     if not isinstance(frames, list) or len(frames) < 2:
         found = len(frames) if isinstance(frames, list) else shown(frames)
         raise InvalidRig(f"frames {found}: must be a list of two or more, left and right")
-    chosen = [
-        next(
-            (i for i, frame in enumerate(frames) if side in str(member(frame, "file_path", f"frame {i}"))),
-            None,
-        )
+    sides = [
+        [i for i, frame in enumerate(frames) if side in str(member(frame, "file_path", f"frame {i}"))]
         for side in ("left", "right")
     ]
-    first, second = (0, 1) if None in chosen else chosen
-    cameras, poses = [], []
-    for i in (first, second):
-        name = f"frame {i}"
-        cameras.append(_camera(document, frames[i or 0], name))
-        T = matrix(member(frames[i or 0], "transform_matrix", name), f"transform_matrix of {name}", 4, 4)
-        R = rotation(T[:3, :3], f"transform_matrix of {name}")
-        poses.append(Pose(R @ CV_FROM_GL, T[:3, 3]))  # world from camera
-    return StereoRig(cameras[0], cameras[1], poses[1].inverse @ poses[0])
+    if not (sides[0] and sides[1]):
+        raise InvalidRig(
+            f"{len(frames)} frames, none called left and right: poses of one camera that moves are no rig;"
+            " put left and right into the file_path of the two cameras' frames"
+        )
+    cameras = [_camera(document, frames[side[0]], f"frame {side[0]}") for side in sides]
+    pairs = [
+        _world_from_camera(frames[right], right).inverse @ _world_from_camera(frames[left], left)
+        for left, right in zip(*sides, strict=False)
+    ]
+    for pose in pairs[1:]:
+        if not np.allclose(pose.t, pairs[0].t, atol=_STILL * float(np.linalg.norm(pairs[0].t))):
+            raise InvalidRig(
+                "the right camera moves against the left one (seen from it, the left one is at"
+                f" {_place(pairs[0])} in the first pair, at {_place(pose)} in another): no rig"
+            )
+    return StereoRig(cameras[0], cameras[1], pairs[0])
+
+
+def _place(pose: Pose) -> str:
+    return "(" + ", ".join(f"{value:.3g}" for value in pose.t) + ")"
+
+
+def _world_from_camera(frame: object, index: int) -> Pose:
+    name = f"frame {index}"
+    T = matrix(member(frame, "transform_matrix", name), f"transform_matrix of {name}", 4, 4)
+    return Pose(rotation(T[:3, :3], f"transform_matrix of {name}") @ CV_FROM_GL, T[:3, 3])
 
 
 def _frame(camera: Intrinsics, camera_from_world: Pose, name: str) -> dict[str, object]:

@@ -61,14 +61,33 @@ def parse_camera_info(left: str, right: str) -> StereoRig:
             " two files swapped?"
         )
     if not P2[0, 3] < 0:
+        raise InvalidRig(f"right.yaml: {_why_no_baseline(P2)}")
+    if P2[1, 3] != 0 or P2[2, 3] != 0:
         raise InvalidRig(
-            f"right.yaml: {key}[0,3] {P2[0, 3]:g}: must be -fx b, below 0; is it a monocular calibration?"
+            f"right.yaml: {key}[1,3] {P2[1, 3]:g} and [2,3] {P2[2, 3]:g}: must be 0, as rows correspond once"
+            " rectified"
         )
     if not (P1[0, 0] > 0 and abs(P1[0, 0] - P2[0, 0]) <= _ROUNDED * P1[0, 0]):
         raise InvalidRig(f"{key}[0,0] {P1[0, 0]:g} left, {P2[0, 0]:g} right: must be > 0 and equal")
     # x_left and x_right turned are parallel, a baseline apart
     baseline = np.array([P2[0, 3] / P2[0, 0], 0.0, 0.0])
     return StereoRig(lens_left, lens_right, Pose(R2.T @ R1, R2.T @ baseline))
+
+
+def _why_no_baseline(P: Array) -> str:
+    """What a right projection (3, 4) without a baseline to the right means."""
+    key = "projection_matrix"
+    if P[0, 3] > 0:
+        return (
+            f"{key}[0,3] {P[0, 3]:g}: must be -fx b, below 0: this camera lies to the left of the other;"
+            " exchange the two files, and the pictures with them"
+        )
+    if P[1, 3] != 0:
+        return (
+            f"{key}[1,3] {P[1, 3]:g}, and [0,3] 0: a pair one above the other; camera_info is read of cameras"
+            " side by side alone: give its K, D, R, T as stereo.yml"
+        )
+    return f"{key}[0,3] 0: must be -fx b, below 0; is it a monocular calibration?"
 
 
 def _rectified(rig: StereoRig) -> tuple[Array, Array, Array, Array]:
