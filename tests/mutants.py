@@ -5,12 +5,13 @@ Each is a plain function: ``rigsim verify --triangulator tests.mutants_of_input:
 
 from __future__ import annotations
 
-from tests import mutants_of_answer, mutants_of_files, mutants_of_input
+from tests import mutants_of_answer, mutants_of_files, mutants_of_input, mutants_on_condition
 from tests.mutant import Mutant
 
 MUTANTS: tuple[Mutant, ...] = (
     *mutants_of_input.MUTANTS,
     *mutants_of_answer.MUTANTS,
     *mutants_of_files.MUTANTS,
+    *mutants_on_condition.MUTANTS,
 )
 """All of them."""

@@ -18,10 +18,11 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.study.verify.bound import bound, depth_reach
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.checks import Judgement, judge
+from rigsim.study.verify.geometries import GEOMETRIES, Geometry, random_geometry
 from rigsim.study.verify.result import Check
 from rigsim.study.verify.runner import run_case, verify
 from rigsim.study.verify.suite import stream, synthetic_cases
-from rigsim.study.verify.synthetic import GEOMETRIES, Geometry, degenerate, exact, noisy, random_geometry
+from rigsim.study.verify.synthetic import degenerate, exact, noisy
 from rigsim.study.verify.triangulators import KNOWN
 from rigsim.theory.custom import CheckedTriangulator, Triangulator
 from rigsim.theory.triangulation import METHODS, triangulate

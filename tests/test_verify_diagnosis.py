@@ -15,10 +15,11 @@ from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.diagnosis import diagnose
+from rigsim.study.verify.geometries import Geometry
 from rigsim.study.verify.result import Diagnosis
 from rigsim.study.verify.runner import run_case, verify
 from rigsim.study.verify.suite import stream, synthetic_cases
-from rigsim.study.verify.synthetic import Geometry, exact
+from rigsim.study.verify.synthetic import exact
 from rigsim.theory.custom import Triangulator
 from rigsim.theory.triangulation import METHODS
 from tests import triangulators

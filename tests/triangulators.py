@@ -115,7 +115,8 @@ def solve_opencv(c: Calibration, uv_left: Array, uv_right: Array) -> Array:
     if not known.any():
         return points
     uv = uv_left[known], uv_right[known]
-    sideways = abs(c.t[0]) > 2 * np.linalg.norm(c.t[1:])
+    # stereoRectify is for cameras that look the same way, side by side
+    sideways = abs(c.t[0]) > 2 * np.linalg.norm(c.t[1:]) and np.trace(c.R) > 1 + 2 * np.cos(np.pi / 6)
     points[known] = rectify(c, *uv) if sideways else project(c, *uv)
     return in_front(c, points)
 

@@ -22,9 +22,10 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.study.compare_row import Errors, errors, figures
 from rigsim.study.provenance import versions
 from rigsim.study.verify.bound import bound
+from rigsim.study.verify.geometries import GEOMETRIES, Geometry
 from rigsim.study.verify.runner import PATIENCE
 from rigsim.study.verify.suite import own_geometry, stream
-from rigsim.study.verify.synthetic import GEOMETRIES, Geometry, visible_points
+from rigsim.study.verify.synthetic import visible_points
 from rigsim.theory.custom import CheckedTriangulator, Triangulator
 
 GEOMETRY_NAMES = tuple(geometry.name for geometry in GEOMETRIES)

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from rigsim.rig.arrays import Array, Mask
+from rigsim.study.verify.conditions import set_apart
 from rigsim.study.verify.evidence import Evidence, gather
 from rigsim.study.verify.mistake import Mistake
 from rigsim.study.verify.mistakes import LIBRARY
@@ -22,6 +23,8 @@ _CONVINCING = 0.9
 _WORTH_SAYING = 0.5
 _LIKELY = 0.7
 _MOST = 3
+_SOMETIMES = 0.06  # what a mistake that some rigs bring out must explain more than one that all do
+_ANSWERED = 0.5
 
 
 def diagnose(results: Sequence[CaseResult]) -> tuple[Diagnosis, ...]:
@@ -70,9 +73,18 @@ class _Trial:
         self.share, self.breaks = _best(evidence, _answers(evidence, mistake, solvers))
         refuted = int((self.breaks & ~failing).sum())
         weights = evidence.weights
-        total = weights[failing].sum() + refuted
-        self.explained = float((self.share * weights)[failing].sum() / total)
+        told = float((self.share * weights)[failing].sum())
+        self.explained = told / float(weights[failing].sum() + refuted)
         self.score = self.explained - mistake.cost
+        # made in some cases alone: it must explain those all but wholly, and by answers, not by their lack
+        alone = told / max(float(weights[failing].sum()), 1e-300)
+        answered = float(weights[failing].mean()) > _ANSWERED if failing.any() else False
+        self.only_sometimes = bool(
+            refuted and answered and alone >= _CONVINCING and alone - _SOMETIMES > self.explained
+        )
+        if self.only_sometimes:
+            self.explained = alone
+            self.score = alone - mistake.cost - _SOMETIMES
 
     @property
     def diagnosis(self) -> Diagnosis:
@@ -83,7 +95,14 @@ class _Trial:
             )
             if failing and share >= _CONVINCING
         )
-        return Diagnosis(self.mistake.name, self.mistake.says, self.explained, names)
+        says = self.mistake.says
+        if self.only_sometimes:
+            cases = [result.case for result in self.evidence.results]
+            failing = self.evidence.failing
+            broken = [case for case, fails in zip(cases, failing, strict=True) if fails]
+            spared = [case for case, i in zip(cases, self.breaks & ~failing, strict=True) if i]
+            says = f"{says.removesuffix('.')}; {set_apart(broken, spared)}."
+        return Diagnosis(self.mistake.name, says, self.explained, names)
 
 
 def _answers(

@@ -13,6 +13,7 @@ from rigsim.study.verify.mistakes_answer import ANSWER
 from rigsim.study.verify.mistakes_distortion import DISTORTION
 from rigsim.study.verify.mistakes_lens import NUMBERS, PIXELS
 from rigsim.study.verify.mistakes_pose import POSE, invert
+from rigsim.study.verify.mistakes_rectification import RECTIFICATION
 from rigsim.study.verify.reenact import Given, Solver, homogeneous
 
 
@@ -124,5 +125,14 @@ PARALLEL: tuple[Mistake, ...] = tuple(
 )
 """The formula of rectified rigs where it does not hold."""
 
-LIBRARY: tuple[Mistake, ...] = (*CAMERAS, *POSE, *PIXELS, *NUMBERS, *DISTORTION, *ANSWER, *PARALLEL)
+LIBRARY: tuple[Mistake, ...] = (
+    *CAMERAS,
+    *POSE,
+    *PIXELS,
+    *NUMBERS,
+    *DISTORTION,
+    *ANSWER,
+    *PARALLEL,
+    *RECTIFICATION,
+)
 """All mistakes that need no fit, the likelier first."""

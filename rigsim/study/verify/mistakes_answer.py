@@ -21,7 +21,7 @@ def _middle(points: Array, g: Given) -> Array:
     return turned(half, points - g.centre_right / 2)
 
 
-def _opencv_rectified(g: Given) -> Array:
+def opencv_rectified(g: Given) -> Array:
     """R1 of OpenCV's stereoRectify (Bouguet): half the rotation, then the shortest turn of t to an axis."""
     half = Rotation.from_rotvec(-Rotation.from_matrix(g.R).as_rotvec() / 2)
     t = half.apply(g.t)
@@ -63,7 +63,7 @@ FRAMES: tuple[Mistake, ...] = (
     Mistake(
         "rectified-frame",
         _FRAME.format("the rectified left camera's frame", "rotate them back by the transpose of R1"),
-        after=lambda X, g: turned(_opencv_rectified(g), X),
+        after=lambda X, g: turned(opencv_rectified(g), X),
     ),
     Mistake(
         "rectified-frame",
@@ -74,7 +74,7 @@ FRAMES: tuple[Mistake, ...] = (
     Mistake(
         "rectified-frame",
         _FRAME.format("a rectified frame", "they were rotated back the wrong way"),
-        after=lambda X, g: turned(_opencv_rectified(g), turned(_opencv_rectified(g), X)),
+        after=lambda X, g: turned(opencv_rectified(g), turned(opencv_rectified(g), X)),
         cost=0.002,
     ),
     Mistake(
@@ -256,7 +256,6 @@ MEANINGS: tuple[Mistake, ...] = (
         after=lambda X, g: np.full_like(X, np.nan),
         cost=0.05,
     ),
-    Mistake("zeros", "Every answer is (0, 0, 0).", after=lambda X, g: np.zeros_like(X), cost=0.01),
 )
 """Numbers that mean something else."""
 

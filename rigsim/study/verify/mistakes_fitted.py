@@ -10,7 +10,7 @@ import numpy as np
 from rigsim.rig.arrays import Array, Mask
 from rigsim.study.verify.evidence import Evidence
 from rigsim.study.verify.mistake import Mistake
-from rigsim.study.verify.reenact import Given, Lenses, given
+from rigsim.study.verify.reenact import Given, Lenses, given, solve_midpoint
 from rigsim.study.verify.result import CaseResult
 
 _UNITS = {
@@ -25,6 +25,7 @@ _UNITS = {
     0.5: ("factor-two", "half the baseline, or twice the disparity"),
 }
 _FEW = 3
+_KEPT_SAME = 1e-3  # solvers differ by more than rounding where lines of sight no longer meet
 
 
 def fitted(evidence: Evidence, results: Sequence[CaseResult]) -> Iterator[Mistake]:
@@ -219,3 +220,36 @@ def _stale(evidence: Evidence, results: Sequence[CaseResult]) -> Iterator[Mistak
             return other
 
         yield Mistake("stale-rig", says.format(what), stale, cost=0.004)
+    yield from _kept(evidence, results)
+
+
+def _kept(evidence: Evidence, results: Sequence[CaseResult]) -> Iterator[Mistake]:
+    """The rig of whichever earlier call explains a failing case best: a cache with too short a key."""
+    place = {id(result): i for i, result in enumerate(results)}
+    answers = evidence.right.copy()
+    told: list[str] = []
+    for index in np.flatnonzero(evidence.failing):
+        mine = evidence.case == index
+        result = evidence.results[index]
+        rigs = {id(earlier.case.rig): earlier for earlier in results[: place[id(result)]]}
+        uv_left, uv_right = evidence.given.uv_left[mine], evidence.given.uv_right[mine]
+        found = evidence.found[mine]
+        best, whose = np.inf, ""
+        for earlier in rigs.values():
+            g = given([earlier.case.rig], [int(mine.sum())], uv_left, uv_right)
+            points = solve_midpoint(g, g.left.normalize(uv_left), g.right.normalize(uv_right))
+            apart = np.linalg.norm(points - found, axis=1) / np.linalg.norm(found, axis=1)
+            if np.isfinite(apart).any() and float(np.nanmedian(apart)) < best:
+                best, whose = float(np.nanmedian(apart)), earlier.case.name
+                kept = points
+        if best < _KEPT_SAME:
+            answers[mine] = kept
+            told.append(f"'{result.case.name}' with that of '{whose}'")
+    if told:
+        yield Mistake(
+            "stale-rig",
+            f"The rig of an earlier call is used ({told[0]}): something computed from it is kept under a key"
+            " that other rigs share.",
+            after=lambda X, g: answers,
+            cost=0.03,
+        )

@@ -100,11 +100,45 @@ def _single(array: Array) -> Array:
         return array.astype(np.float32).astype(np.float64)
 
 
-def _single_rig(g: Given) -> Given:
+def _single_cameras(g: Given) -> Given:
     def lens(camera: Lenses) -> Lenses:
-        return replace(camera, f=_single(camera.f), c=_single(camera.c), bend=_single(camera.bend))
+        return replace(camera, f=_single(camera.f), c=_single(camera.c))
 
-    return replace(g, left=lens(g.left), right=lens(g.right), R=_single(g.R), t=_single(g.t))
+    return replace(g, left=lens(g.left), right=lens(g.right))
+
+
+def _single_rotation(g: Given) -> Given:
+    return replace(g, R=_single(g.R))
+
+
+def _single_translation(g: Given) -> Given:
+    return replace(g, t=_single(g.t))
+
+
+def _single_lenses(g: Given) -> Given:
+    def lens(camera: Lenses) -> Lenses:
+        return replace(camera, bend=_single(camera.bend))
+
+    return replace(g, left=lens(g.left), right=lens(g.right))
+
+
+def _single_rig(g: Given) -> Given:
+    return _single_lenses(_single_translation(_single_rotation(_single_cameras(g))))
+
+
+def _normalised_twice(g: Given) -> Given:
+    """Rays taken for pixels: K is applied to what it was taken from already."""
+
+    def lens(camera: Lenses) -> Lenses:
+        return replace(camera, bend=np.zeros_like(camera.bend))
+
+    return replace(
+        g,
+        uv_left=g.left.normalize(g.uv_left),
+        uv_right=g.right.normalize(g.uv_right),
+        left=lens(g.left),
+        right=lens(g.right),
+    )
 
 
 _PRINCIPAL = "the calibrated cx, cy are not used"
@@ -189,6 +223,13 @@ PIXELS: tuple[Mistake, ...] = (
         "fx is used for fy in {}: pixels are taken to be square.",
         lambda lens: replace(lens, f=lens.f[:, [0, 0]]),
     ),
+    Mistake(
+        "normalised-twice",
+        "Normalised rays are given where pixels are meant: K^-1 was applied already, and K[R|t] projects to"
+        " pixels; use [R|t] with rays, K[R|t] with pixels.",
+        _normalised_twice,
+        cost=0.001,
+    ),
     *sides("fy-for-fx", "fy is used for fx in {}.", lambda lens: replace(lens, f=lens.f[:, [1, 1]])),
     *(
         Mistake(
@@ -242,7 +283,7 @@ NUMBERS: tuple[Mistake, ...] = (
     Mistake("rounded-pixels", _ROUNDED.format("whole pixels (upwards)"), _pixels(np.ceil)),
     *(
         Mistake("rounded-pixels", _ROUNDED.format(f"1/{n} px"), _pixels(_rounded(1 / n)))
-        for n in (2, 4, 8, 10, 16, 32, 100, 256)
+        for n in (2, 4, 8, 10, 16, 32, 100, 256, 1000, 10_000)
     ),
     *(
         Mistake(
@@ -275,6 +316,15 @@ NUMBERS: tuple[Mistake, ...] = (
     Mistake("nan-answered", "Missing pixels (NaN) are taken for 0.", _pixels(np.nan_to_num)),
     Mistake("single-precision", "Pixels are held in single precision (float32).", _pixels(_single)),
     Mistake("single-precision", "The calibration is held in single precision (float32).", _single_rig),
+    *(
+        Mistake("single-precision", f"The {what} held in single precision (float32).", change, cost=0.0005)
+        for what, change in (
+            ("camera matrices are", _single_cameras),
+            ("rotation is", _single_rotation),
+            ("translation is", _single_translation),
+            ("distortion coefficients are", _single_lenses),
+        )
+    ),
     Mistake(
         "single-precision",
         "Pixels and calibration are held in single precision (float32).",

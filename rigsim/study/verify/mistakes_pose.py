@@ -56,6 +56,13 @@ def _quaternion_order(order: list[int]) -> Callable[[Array], Array]:
     return lambda R: Rotation.from_quat(Rotation.from_matrix(R).as_quat()[:, order]).as_matrix()
 
 
+def _small_angle(R: Array) -> Array:
+    """``1 + [w]x``, the rotation to first order."""
+    x, y, z = Rotation.from_matrix(R).as_rotvec().T
+    one = np.ones(len(R))
+    return np.stack([one, -z, y, z, one, -x, -y, x, one], axis=1).reshape(-1, 3, 3)
+
+
 def _along_x(g: Given) -> Array:
     return g.t * (1.0, 0.0, 0.0)
 
@@ -140,6 +147,12 @@ POSE: tuple[Mistake, ...] = (
         "rotation-ignored",
         "The rotation between the cameras is ignored: R is taken for the identity.",
         _rotated(lambda R: np.broadcast_to(np.eye(3), R.shape)),
+    ),
+    Mistake(
+        "small-angle",
+        "The rotation is taken to first order, 1 + [w]x: that holds for small angles alone.",
+        _rotated(_small_angle),
+        cost=0.001,
     ),
     Mistake(
         "baseline-along-x-only",

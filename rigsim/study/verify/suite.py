@@ -13,9 +13,10 @@ from rigsim.errors import InvalidRange, NothingSeen
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.geometry import CORNERS_FROM_BOARDS
 from rigsim.study.verify.case import Case
+from rigsim.study.verify.geometries import GEOMETRIES, Geometry, random_geometry
 from rigsim.study.verify.rendered import measured_case, scene_rig
 from rigsim.study.verify.rendered import scene_cases as from_scene
-from rigsim.study.verify.synthetic import GEOMETRIES, Geometry, degenerate, exact, noisy, random_geometry
+from rigsim.study.verify.synthetic import degenerate, exact, noisy, special_rows
 
 SUITES = ("quick", "full")
 """Names of the suites: quick for every commit, full before a release."""
@@ -34,11 +35,13 @@ class Size:
     """Rows of a case with noise."""
     random_rigs: int
     """Rigs drawn at random."""
+    many: int
+    """Rows of the case that shows what is done in pieces."""
     pictures: bool
     """Whether the pictures of every scene are measured, patches too; else corners where boards abound."""
 
 
-SIZES = {"quick": Size(200, 2000, 4, False), "full": Size(2000, 40_000, 40, True)}
+SIZES = {"quick": Size(200, 2000, 8, 10_007, False), "full": Size(2000, 40_000, 40, 70_001, True)}
 """Sizes by suite."""
 
 
@@ -63,6 +66,7 @@ def synthetic_cases(suite: str, seed: int, rig: StereoRig | None = None) -> Iter
         yield exact(geometry, size.exact, stream(seed, f"{geometry.name} exact"))
         yield noisy(geometry, size.noisy, stream(seed, f"{geometry.name} noisy"))
     yield from degenerate(size.exact, stream(seed, "degenerate"))
+    yield from special_rows(size.many, stream(seed, "special rows"))
 
 
 def scene_cases(

@@ -74,8 +74,8 @@ def _constant(result: CaseResult, found: Array) -> Iterator[Mark]:
     if len(found) < FEW:
         return
     if not found.any():
-        return
-    if (np.abs(found - found[0]) <= SAME * np.abs(found[0])).all():
+        yield Mark("zeros", "Every answer is (0, 0, 0).")
+    elif (np.abs(found - found[0]) <= SAME * np.abs(found[0])).all():
         yield Mark("constant-answer", f"All rows have the same answer ({numbers(found[0])} m).")
     elif (
         not result.case.answerable.any()

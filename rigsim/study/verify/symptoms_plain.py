@@ -12,6 +12,7 @@ from rigsim.rig.arrays import Array
 from rigsim.study.verify.result import CaseResult, Diagnosis
 
 _LOST_DIGITS_PX = 5e-3
+_SINGLE_PX = 2e-4  # of a picture 2000 px wide
 
 
 class Mark(NamedTuple):
@@ -190,10 +191,10 @@ def _how(exact: Sequence[CaseResult]) -> tuple[str, str]:
     spread = float(np.median(np.abs(depth - 1)))
     if lean < 0.2 * scatter and scatter < _LOST_DIGITS_PX:
         return (
-            "single-precision",
-            f"Errors look like noise, about {scatter:.1g} px: what single precision (float32) "
-            "costs, or a step "
-            "for numerical derivatives, or an iteration that stops early.",
+            "lost-digits",
+            f"Errors look like noise, about {scatter:.1g} px: numbers that were rounded or written with few "
+            "digits, a step for numerical derivatives, or an iteration that stops early"
+            + (", or single precision (float32)." if scatter < _SINGLE_PX else "."),
         )
     if lean < 0.2 * scatter:
         return (
@@ -211,5 +212,6 @@ def _how(exact: Sequence[CaseResult]) -> tuple[str, str]:
 
 
 def numbers(values: Array) -> str:
-    """Numbers to three digits."""
-    return ", ".join(f"{value:.3g}" for value in values)
+    """Numbers to three digits; what is nothing beside the largest is 0."""
+    least = 1e-6 * float(np.abs(values).max(initial=0.0))
+    return ", ".join(f"{value if abs(value) > least else 0.0:.3g}" for value in values)

@@ -1,140 +1,25 @@
-"""Cases without a scene: rigs of every kind that triangulators get wrong, and points all over their view."""
+"""Cases without a scene: pixels of points all over the view of a rig of `geometries`."""
 
 from __future__ import annotations
 
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from rigsim.errors import InvalidRange
 from rigsim.rig.arrays import Array
-from rigsim.rig.distortion import BrownConrady
-from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.noise import PixelNoise
-from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.verify.case import Case
+from rigsim.study.verify.geometries import GEOMETRIES, Geometry
 from rigsim.theory.uncertainty import parallax_px
 
 _BATCH = 4096
 _PATIENCE = 50  # batches
 _LEAST_SHARE = 1e-3
-
-
-@dataclass(frozen=True, slots=True)
-class Geometry:
-    """A rig, the depths it is tried at, and what goes wrong there."""
-
-    name: str
-    """Short, as ``verged``."""
-    rig: StereoRig
-    """The rig."""
-    range_m: tuple[float, float]
-    """Nearest and farthest depth, m."""
-    about: str
-    """What it shows, one sentence."""
-    noise_px: float = 0.25
-    """Standard deviation per coordinate of the noisy case, px."""
-    least_parallax_px: float = 0.0
-    """Least parallax of a point, px: what moves along an epipolar line by less is not asked for."""
-
-
-def _turned(rotation_deg: tuple[float, float, float], centre_right_m: tuple[float, float, float]) -> Pose:
-    """right_from_left of a right camera at a place in the left frame, turned by a rotation vector."""
-    left_from_right = Pose.from_rotvec(np.radians(rotation_deg), centre_right_m)
-    return left_from_right.inverse
-
-
-_HD = Intrinsics.from_focal(1280, 720, 900.0)
-
-GEOMETRIES: tuple[Geometry, ...] = (
-    Geometry(
-        "rectified",
-        StereoRig.rectified(_HD, 0.12),
-        (0.5, 8.0),
-        "Parallel cameras, equal lenses: Z = f B / d, in the left camera's frame.",
-    ),
-    Geometry(
-        "doffs",
-        StereoRig.rectified(_HD, 0.12, right=replace(_HD, cx=_HD.cx + 37.5)),
-        (0.5, 8.0),
-        "Rectified, but the principal points differ: doffs must be added to every disparity.",
-    ),
-    Geometry(
-        "off-centre",
-        StereoRig.rectified(Intrinsics(1280, 720, 900.0, 900.0, 560.25, 420.75), 0.12),
-        (0.5, 8.0),
-        "The principal point is not the middle of the image.",
-    ),
-    Geometry(
-        "non-square",
-        StereoRig.rectified(Intrinsics(1280, 720, 960.0, 720.0, 639.5, 359.5), 0.12),
-        (0.5, 8.0),
-        "Pixels that are not square: fx and fy differ.",
-    ),
-    Geometry(
-        "near",
-        StereoRig.rectified(Intrinsics.from_focal(1280, 960, 700.0), 0.06),
-        (0.08, 0.3),
-        "So near that the disparity is half the image.",
-    ),
-    Geometry(
-        "far",
-        StereoRig.rectified(Intrinsics.from_focal(1920, 1080, 1400.0), 0.10),
-        (40.0, 1200.0),
-        "So far that the disparity is a tenth of a pixel: single precision and clamps show here.",
-        noise_px=0.01,
-    ),
-    Geometry(
-        "verged",
-        StereoRig.verged(_HD, 0.30, 20.0),
-        (0.5, 2.5),
-        "Cameras that toe in by 20 deg: rows do not correspond, and Z = f B / d does not hold.",
-    ),
-    Geometry(
-        "rolled",
-        StereoRig(_HD, _HD, _turned((9.0, -6.0, 14.0), (0.20, 0.05, -0.08))),
-        (0.6, 4.0),
-        "The right camera turned about all axes and off the x axis: R, its transpose and its inverse differ.",
-    ),
-    Geometry(
-        "vertical",
-        StereoRig(_HD, _HD, _turned((0.0, 0.0, 0.0), (0.0, 0.15, 0.0))),
-        (0.5, 6.0),
-        "One camera below the other: the parallax lies along v.",
-    ),
-    Geometry(
-        "forward",
-        StereoRig(_HD, _HD, _turned((1.0, 2.0, -1.0), (0.03, -0.02, 0.35))),
-        (1.0, 5.0),
-        "The second camera ahead of the first: parallax grows away from the epipole in the picture.",
-        least_parallax_px=8.0,
-    ),
-    Geometry(
-        "unequal",
-        StereoRig(
-            Intrinsics(1280, 960, 1100.0, 1085.0, 610.0, 500.0),
-            Intrinsics(800, 600, 520.0, 531.0, 420.5, 287.25),
-            _turned((0.5, -3.0, 1.0), (0.18, -0.01, 0.02)),
-        ),
-        (0.6, 5.0),
-        "Two different cameras: each pixel belongs with its own K.",
-    ),
-    Geometry(
-        "distorted",
-        StereoRig(
-            replace(_HD, distortion=BrownConrady(k1=-0.18, k2=0.05, p1=0.0012, p2=-0.0008, k3=-0.006)),
-            replace(_HD, distortion=BrownConrady(k1=-0.12, k2=0.02, p1=-0.0006, p2=0.0015)),
-            _turned((0.4, -2.0, 0.8), (0.15, 0.004, -0.006)),
-        ),
-        (0.5, 5.0),
-        "Lenses that distort, each its own way: pixels are as they were seen and must be undistorted once.",
-    ),
-)
-"""One geometry for each thing that goes wrong."""
 
 
 def visible_points(geometry: Geometry, n: int, rng: np.random.Generator) -> Array:
@@ -255,25 +140,42 @@ def degenerate(n: int, rng: np.random.Generator) -> Iterator[Case]:
         yield replace(exact(verged, size, rng), name=name, group="rows", about=about)
 
 
-def random_geometry(number: int, rng: np.random.Generator) -> Geometry:
-    """A rig nobody would think of: unequal lenses, any turn up to 15 deg, any direction of the baseline."""
-
-    def lens() -> Intrinsics:
-        width, height = int(rng.integers(800, 1600)), int(rng.integers(600, 1200))
-        fx = width * rng.uniform(0.7, 1.2)
-        cx, cy = (side * rng.uniform(0.4, 0.6) for side in (width, height))
-        bent = BrownConrady(k1=rng.uniform(-0.1, 0.05), p1=rng.uniform(-1e-3, 1e-3)) if number % 2 else None
-        return Intrinsics(width, height, fx, fx * rng.uniform(0.9, 1.1), cx, cy, bent)
-
-    direction = rng.standard_normal(3)
-    centre = rng.uniform(0.1, 0.3) * direction / np.linalg.norm(direction)
-    turn = Pose.from_rotvec(np.radians(rng.uniform(-9, 9, 3)), centre)
-    return Geometry(
-        f"random {number}",
-        StereoRig(lens(), lens(), turn.inverse),
-        (0.8, 4.0),
-        "A rig drawn at random: lenses, rotation and direction of the baseline.",
-        least_parallax_px=8.0,
+def special_rows(many: int, rng: np.random.Generator) -> Iterator[Case]:
+    """Rows that formulas stumble over: pixels on the principal points and axes, and very many rows."""
+    by_name = {geometry.name: geometry for geometry in GEOMETRIES}
+    verged = by_name["verged"]
+    lens = replace(verged.rig.left, cx=640.0, cy=360.0)  # that doubles hold exactly
+    geometry = replace(verged, rig=StereoRig(lens, lens, verged.rig.right_from_left))
+    rig = geometry.rig
+    along_right = np.linspace(*verged.range_m, 5)[:, None] * (0.0, 0.0, 1.0)
+    points_left = np.concatenate(
+        [
+            np.linspace(*verged.range_m, 5)[:, None] * (0.0, 0.0, 1.0),
+            rig.right_from_left.inverse.apply(along_right),
+        ]
+    )
+    on_one_axis = visible_points(geometry, 10, rng)
+    on_one_axis[:5, 0] = on_one_axis[5:, 1] = 0.0
+    points_left = np.concatenate([points_left, on_one_axis])
+    uv_left, uv_right = rig.project(points_left)
+    seen = rig.left.contains(uv_left) & rig.right.contains(uv_right)
+    uv_left[:5] = uv_right[5:10] = lens.cx, lens.cy
+    uv_left[10:15, 0], uv_left[15:, 1] = lens.cx, lens.cy
+    yield Case(
+        "on the axes",
+        "rows",
+        "exact",
+        "Pixels on a principal point, or in its row or column: x, y or both are 0 there.",
+        rig,
+        uv_left[seen],
+        uv_right[seen],
+        points_left[seen],
+    )
+    yield replace(
+        exact(by_name["unequal"], many, rng),
+        name="many rows",
+        group="rows",
+        about="So many rows that a triangulator may take them in pieces; the last one counts like the first.",
     )
 
 

@@ -1,0 +1,122 @@
+"""What sets the cases that a mistake breaks apart from those that it should break and does not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from rigsim.study.verify.case import Case
+
+_SAME = 1e-9
+
+
+class _Feature(NamedTuple):
+    """A number of a case."""
+
+    name: str
+    """As in "only with NAME of 55 deg or more"."""
+    unit: str
+    """Unit of the number."""
+    value: Callable[[Case], float]
+    """Reads it."""
+
+
+def _turn_deg(case: Case) -> float:
+    return float(np.degrees(np.linalg.norm(case.rig.right_from_left.rotvec_rad)))
+
+
+def _roll_deg(case: Case) -> float:
+    R = case.rig.right_from_left.R
+    return float(abs(np.degrees(np.arctan2(R[1, 0], R[0, 0]))))
+
+
+def _outwards_deg(case: Case) -> float:
+    pose = case.rig.right_from_left
+    yaw = float(np.degrees(np.arctan2(pose.R[2, 0], pose.R[2, 2])))
+    return yaw if pose.inverse.t[0] > 0 else -yaw
+
+
+def _direction(axis: int) -> Callable[[Case], float]:
+    """A component of the way to the right camera, as a share of it."""
+
+    def share(case: Case) -> float:
+        centre = case.rig.right_from_left.inverse.t
+        return float(centre[axis] / np.linalg.norm(centre))
+
+    return share
+
+
+def _k1(case: Case) -> float:
+    bent = [camera.distortion.k1 for camera in (case.rig.left, case.rig.right) if camera.distortion]
+    return max(bent, default=0.0)
+
+
+def _off_axis_deg(case: Case) -> float:
+    points = case.points_left
+    return float(np.degrees(np.nanmax(np.arctan2(np.hypot(points[:, 0], points[:, 1]), points[:, 2]))))
+
+
+_FEATURES: tuple[_Feature, ...] = (
+    _Feature("a turn between the cameras", "deg", _turn_deg),
+    _Feature("a roll between the cameras", "deg", _roll_deg),
+    _Feature("a turn outwards", "deg", _outwards_deg),
+    _Feature("a baseline", "m", lambda case: case.rig.baseline_m),
+    _Feature("a share of x in the way to the right camera", "", _direction(0)),
+    _Feature("a share of y in the way to the right camera", "", lambda case: abs(_direction(1)(case))),
+    _Feature("a share of z in the way to the right camera", "", lambda case: abs(_direction(2)(case))),
+    _Feature("a k1", "", _k1),
+    _Feature(
+        "a difference of the focal lengths",
+        "%",
+        lambda case: 100 * abs(case.rig.right.fx / case.rig.left.fx - 1),
+    ),
+    _Feature(
+        "a difference of the principal points", "px", lambda case: abs(case.rig.right.cx - case.rig.left.cx)
+    ),
+    _Feature("a ratio of height to width", "", lambda case: case.rig.left.height / case.rig.left.width),
+    _Feature(
+        "a difference of fx and fy", "%", lambda case: 100 * abs(case.rig.left.fx / case.rig.left.fy - 1)
+    ),
+    _Feature("rays off the axis", "deg", _off_axis_deg),
+    _Feature("a farthest point", "m", lambda case: float(np.nanmax(case.points_left[:, 2]))),
+    _Feature("a nearest point", "m", lambda case: float(np.nanmin(case.points_left[:, 2]))),
+    _Feature("a number of rows", "", lambda case: float(len(case))),
+)
+
+
+def set_apart(broken: Sequence[Case], spared: Sequence[Case]) -> str:
+    """The feature that parts the cases with the widest gap; the names of the broken ones where none does.
+
+    ``only with a turn between the cameras of 55 deg or more (up to 21 deg passes)``.
+
+    Args:
+        broken: cases that fail.
+        spared: cases that pass although the mistake would break them.
+    """
+    best, words = 0.0, ""
+    for feature in _FEATURES:
+        fail, ok = ([feature.value(case) for case in cases] for cases in (broken, spared))
+        for low, high, worse, better in (
+            (max(ok), min(fail), "or more", "up to"),
+            (max(fail), min(ok), "or less", "from"),
+        ):
+            gap = (high - low) / (abs(high) + abs(low) + _SAME)
+            if high > low + _SAME and gap > best:
+                at, passing = (high, low) if worse == "or more" else (low, high)
+                best, words = (
+                    gap,
+                    (
+                        f"only with {feature.name} of {_number(at, feature.unit)} {worse} "
+                        f"({better} {_number(passing, feature.unit)} passes)"
+                    ),
+                )
+    if words:
+        return words
+    names = sorted({case.name for case in broken})
+    return f"only in {', '.join(names[:4])}" + (f" and {len(names) - 4} others" if len(names) > 4 else "")
+
+
+def _number(value: float, unit: str) -> str:
+    return f"{0.0 if abs(value) < _SAME else value:.3g}{' ' if unit else ''}{unit}"
