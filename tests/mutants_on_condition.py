@@ -270,14 +270,14 @@ def y_sign_lost_on_the_left(rig: StereoRig, uv_left: Array, uv_right: Array) -> 
     return points
 
 
-@mutant("lens", "undistortion stops after 12 fixed-point steps", "undistortion is not finished")
+@mutant("lens", "undistortion stops after 7 fixed-point steps", "undistortion is not finished")
 def patient_but_not_enough(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
     c = calibration(rig)
 
     def undone(uv: Array, K: Array, lens: Array) -> Array:
         seen = normalised(uv, K)
         xy = seen
-        for _ in range(12):
+        for _ in range(7):
             s = np.sum(xy**2, axis=1)
             radial = (1 + s * (lens[0] + s * (lens[1] + s * lens[4])))[:, None]
             xy = (seen - (distort(xy, lens) - xy * radial)) / radial

@@ -95,8 +95,9 @@ def set_apart(broken: Sequence[Case], spared: Sequence[Case]) -> str:
         broken: cases that fail.
         spared: cases that pass although the mistake would break them.
     """
+    broken, spared = ([case for case in cases if case.answerable.any()] for cases in (broken, spared))
     best, words = 0.0, ""
-    for feature in _FEATURES:
+    for feature in _FEATURES if broken and spared else ():
         fail, ok = ([feature.value(case) for case in cases] for cases in (broken, spared))
         for low, high, worse, better in (
             (max(ok), min(fail), "or more", "up to"),

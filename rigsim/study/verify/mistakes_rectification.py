@@ -13,7 +13,7 @@ from rigsim.study.verify.mistakes_answer import opencv_rectified
 from rigsim.study.verify.reenact import Given, Lenses, homogeneous, turned
 
 
-def _rectified_cameras(g: Given) -> tuple[Lenses, Lenses, Array]:
+def rectified_cameras(g: Given) -> tuple[Lenses, Lenses, Array]:
     """Cameras and ``t`` (N, 3) of P1 and P2 as OpenCV 5's stereoRectify makes them, flags 0 and alpha -1.
 
     One focal length for both, the mean fy; principal points that put each picture's mean corner into its
@@ -54,7 +54,7 @@ def _middle_of_corners(camera: Lenses, size: Array, R: Array, focal: Array) -> A
 
 
 def _raw_pixels(g: Given) -> Given:
-    left, right, t = _rectified_cameras(g)
+    left, right, t = rectified_cameras(g)
     return replace(g, left=left, right=right, R=np.broadcast_to(np.eye(3), g.R.shape), t=t)
 
 
