@@ -419,7 +419,7 @@ def test_far_bound_beyond_infinity_is_said(calc: Any, capsys: pytest.CaptureFixt
     assert calc("depth --z 100m --focal 500 --baseline 100 --disparity-error 1")["depth_far"] is None
     assert run(["calc", "depth", "--z", "100m", "--preset", "bin"]) == 0
     shown = capsys.readouterr()
-    assert "note: disparity 0.66 px is under 1.414 px, 4 times its noise" in shown.err
+    assert "note: disparity 0.66 px is under 1.41 px, 4 times its noise" in shown.err
 
 
 # --- what goes wrong ---

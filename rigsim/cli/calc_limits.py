@@ -67,6 +67,10 @@ def limits(
     shift_px = quantity.value(shift, quantity.DISPARITY) if shift is not None else 0.0
     reached = _reach(rig, search, reach) if reach is not None else _Reached(shift_px, "added to both", ())
 
+    _tell(rig, depths_mm, search, reached, form)
+
+
+def _tell(rig: StereoRig, depths_mm: Sequence[float], search: _Search, reached: _Reached, form: Form) -> None:
     from rigsim.study.limits import limit_remarks
     from rigsim.study.sight import rig_remarks
 

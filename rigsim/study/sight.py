@@ -86,8 +86,9 @@ def noise_remarks(rig: StereoRig, point_left: Array, noise: PixelNoise) -> Itera
     says = f"Z is {sigmas:.2g} times its standard deviation, under {LEAST_DEPTH_SIGMAS:g}"
     if rig.is_rectified:
         disparity_px = rig.left.fx * rig.baseline_m / point_left[2]
+        least_px = float(f"{LEAST_DEPTH_SIGMAS * noise.disparity_std_px:.3g}")
         says = (
-            f"disparity {disparity_px:.3g} px is under {LEAST_DEPTH_SIGMAS * noise.disparity_std_px:.4g} px, "
+            f"disparity {disparity_px:.3g} px is under {least_px:g} px, "
             f"{LEAST_DEPTH_SIGMAS:g} times its noise"
         )
     yield Remark(
