@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import math
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
 
 from rigsim import __version__
 from rigsim.cli.app import run
@@ -85,7 +87,7 @@ def test_w6_luxonis_dead_band(calc: Any) -> None:
     # Luxonis, depth documentation: 33.03 px; its 51.6 mm is that share, 33.03 / 640, of one metre
     answer = calc("limits --hfov 72 --resolution 640x400 --baseline 75 --z 1m")
     assert answer["dead_band_px"] == pytest.approx(33.03, abs=5e-3)
-    assert (1 - answer["overlap_fraction"]) * 1000 == pytest.approx(51.6, abs=0.05)
+    assert (1 - answer["overlap_share"]) * 1000 == pytest.approx(51.6, abs=0.05)
     assert answer["dead_band"] == pytest.approx(75.0, rel=1e-9)
 
 
@@ -130,7 +132,8 @@ def test_w11_strands_robots_focal_in_mm(calc: Any) -> None:
 
 def test_point_has_exactly_the_promised_keys(calc: Any) -> None:
     assert list(calc(f"point {W1}")) == [
-        "x", "y", "z", "disparity_px", "world_per_pixel", "depth_std", "depth_near", "depth_far", "unit",
+        "seen_by", "x", "y", "z", "disparity_px", "residual_px", "residual_sigma", "world_per_pixel",
+        "depth_std", "depth_near", "depth_far", "uv_origin", "remarks", "unit",
     ]  # fmt: skip
 
 
@@ -192,6 +195,195 @@ def test_limits_by_hand(calc: Any) -> None:
     assert answer["depth_step"] == pytest.approx(2000**2 / 64000, rel=1e-12)
 
 
+# --- who sees it, and what is odd ---
+
+
+def codes(answer: dict[str, Any]) -> list[str]:
+    return [remark["code"] for remark in answer["remarks"]]
+
+
+def test_a_point_that_a_camera_cannot_see_has_no_error(calc: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    # f 900 px, half the width 640 px, B 120 mm: the right camera sees the left axis from 900 B / 640 on
+    assert calc("depth --z 169mm --preset boards")["seen_by"] == "both"
+    answer = calc("depth --z 168mm --preset boards")
+    assert (answer["seen_by"], codes(answer)) == ("left", ["not_seen_right"])
+    for key in ("disparity_px", "depth_std", "depth_near", "depth_far", "depth_bias"):
+        assert answer[key] is None
+    assert run(["calc", "depth", "--z", "168mm", "--preset", "boards"]) == 0
+    shown = capsys.readouterr()
+    # 639.5 - 900 * 120 / 168
+    assert (
+        "the right camera does not see the point at Z = 168 mm: it would lie at -3.3571,359.5 px" in shown.err
+    )
+    assert "from Z = 168.8 mm on" in shown.err
+    assert "depth std               –" in shown.out
+
+
+@pytest.mark.parametrize(
+    ("words", "seen_by"),
+    [
+        # 61 m aside at 1 m: 89 degrees off the right camera's axis
+        ("depth --z 1m --focal 900 --baseline 61m", "left"),
+        ("depth --z 1m --focal 900 --baseline 1m", "both"),
+        # the right camera looks away by 120 degrees
+        ("depth --z 1m --preset boards --vergence -120", "left"),
+        ("point --preset boards --left 1000,-1340 --right 900,-1340", "neither"),
+        ("point --preset boards --left 1280,5 --right 900,5", "right"),
+        ("point --preset boards --left 1279.5,5 --right -0.5,5", "both"),
+        ("point --preset boards --left 100,5 --right -1,5", "left"),
+    ],
+)
+def test_who_sees_a_point(calc: Any, words: str, seen_by: str) -> None:
+    answer = calc(words)
+    assert answer["seen_by"] == seen_by
+    assert (answer["depth_std"] is None) == (seen_by != "both")
+    assert sum(code.startswith("not_seen") for code in codes(answer)) == {"both": 0, "neither": 2}.get(
+        seen_by, 1
+    )
+
+
+def test_a_row_mismatch_is_told(calc: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    # rows 200 px apart: the best point is 100 px off in each image, 100 sqrt(2) in all, 400 sqrt(2) sigma
+    answer = calc("point --preset boards --left 1000,100 --right 900,300")
+    assert answer["residual_px"] == pytest.approx(100 * math.sqrt(2), rel=1e-9)
+    assert answer["residual_sigma"] == pytest.approx(400 * math.sqrt(2), rel=1e-9)
+    assert codes(answer) == ["residual"]
+    assert "the rows differ by 200 px" in answer["remarks"][0]["text"]
+    # 3 sigma of 0.25 px are 0.75 px in all, 1.0607 px of rows
+    assert codes(calc("point --preset boards --left 1000,100 --right 900,101.07")) == ["residual"]
+    assert codes(calc("point --preset boards --left 1000,100 --right 900,101.05")) == []
+    exact = calc("point --preset boards --left 1000,100 --right 900,100")
+    assert (exact["residual_px"], exact["residual_sigma"]) == (0.0, 0.0)
+
+
+def test_the_residual_of_verged_cameras_is_the_least_any_point_leaves(calc: Any) -> None:
+    rig = StereoRig.verged(Intrinsics.from_focal(1280, 960, 1200.0), 0.150, 5.0)
+    uv_left, uv_right = (uv[0] for uv in rig.project(np.array([[0.2, -0.1, 1.5]])))
+    shifted = uv_right + np.array([0.0, 3.0])
+    seen = np.concatenate([uv_left, shifted])
+    best = least_squares(lambda x: np.hstack(rig.project(x[None]))[0] - seen, [0.2, -0.1, 1.5], xtol=1e-15)
+    left, right = (",".join(map(str, uv.tolist())) for uv in (uv_left, shifted))
+    answer = calc(f"point --preset branch --vergence 5 --left {left} --right {right}")
+    assert answer["residual_px"] == pytest.approx(np.linalg.norm(best.fun), rel=1e-6)
+    assert answer["residual_px"] == pytest.approx(3 / math.sqrt(2), rel=0.01)
+
+
+def test_bounds_and_std_are_one_definition_for_unequal_lenses(calc: Any, tmp_path: Path) -> None:
+    # right camera zoomed three times: sigma_Z = Z^2 / (f B) sigma sqrt(1 + 1/9), and so the bounds
+    lens = Intrinsics.from_focal(1280, 960, 800.0)
+    rig = StereoRig.rectified(lens, 0.1, right=Intrinsics.from_focal(1280, 960, 2400.0))
+    path = tmp_path / "rig.toml"
+    path.write_text(write_rig(rig))
+    answer = calc(f"depth --z 2m --rig {path}")
+    assert answer["depth_std"] == pytest.approx(4000 / 80 * 0.25 * math.sqrt(1 + 1 / 9), rel=1e-9)
+    dq = 0.25 * math.sqrt(1 + 1 / 9) / 80
+    assert answer["depth_near"] == pytest.approx(1e3 / (0.5 + dq), rel=1e-9)
+    assert answer["depth_far"] == pytest.approx(1e3 / (0.5 - dq), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "says"),
+    [
+        ("depth --z 3m --focal 0.8 --baseline 120", "focal", "focal length 0.8 px: mm meant?"),
+        ("depth --z 3m --focal 0.8 --baseline 120 --resolution 640x480", "focal", "179.7 deg wide"),
+        (
+            "point --preset boards --principal 5000,5 --left 900,5 --right 890,5",
+            "principal_point",
+            "5000,5 px",
+        ),
+        ("depth --z 20 --preset boards", "unit", "write 20m if metres are meant"),
+        ("depth --z 3m --focal 900 --baseline 0.12", "unit", "baseline 0.12 mm"),
+        ("limits --preset boards --vergence -150", "nothing_shared", "no common point at any distance"),
+        ("limits --preset boards --z 50mm", "nothing_shared", "nearest common point lies at Z = 84.38 mm"),
+    ],
+)
+def test_odd_input_is_remarked_on(
+    calc: Any, words: str, code: str, says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    answer = calc(words)
+    assert says in next(remark["text"] for remark in answer["remarks"] if remark["code"] == code)
+    assert run(["calc", *words.split()]) == 0
+    err = capsys.readouterr().err
+    assert says in err
+    assert all(line.startswith("rigsim: note: ") for line in err.splitlines())
+
+
+def test_where_pixels_count_from_is_said(calc: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    assert calc(f"point {W1}")["uv_origin"] == "optical axis"
+    assert calc(f"point {W1} --resolution 1280x960")["uv_origin"] == "first pixel"
+    assert calc(f"point {W1} --principal 0,0")["uv_origin"] == "first pixel"
+    assert run(["calc", "point", *W1.split()]) == 0
+    assert "right of the left camera's axis, where u = 0" in capsys.readouterr().out
+
+
+def test_digits_follow_the_error(capsys: pytest.CaptureFixture[str]) -> None:
+    # Z^2 / (f B) sqrt(2) 0.0001 px = 0.0118 mm: near, Z and far differ in what is shown
+    assert run(["calc", "depth", "--z", "3m", "--preset", "boards", "--noise", "0.0001"]) == 0
+    shown = capsys.readouterr().out
+    for name, value in (("Z", "3000.0000"), ("nearest depth", "2999.9882"), ("farthest depth", "3000.0118")):
+        assert re.search(rf"^{name} +{value}  mm", shown, re.MULTILINE)
+
+
+# --- limits ---
+
+
+@pytest.mark.parametrize(
+    ("words", "min_mm"),
+    [
+        # f B / 95 px: 882.5 * 75 / 95, and W = 640 px at 73 deg
+        ("--preset oak-d", 882.5 * 75 / 95),
+        ("--preset oak-d-lite", 320 / math.tan(math.radians(36.5)) * 75 / 95),
+        ("--preset oak-d --disparities 1:128", 882.5 * 75 / 128),
+        ("--preset boards", 900 * 120 / 128),
+    ],
+)
+def test_a_preset_is_searched_as_published(calc: Any, words: str, min_mm: float) -> None:
+    assert calc(f"limits {words}")["min_depth"] == pytest.approx(min_mm, rel=1e-9)
+
+
+def test_a_calib_file_is_searched_as_it_says(calc: Any, tmp_path: Path) -> None:
+    text = (
+        "cam0=[1000 0 319.5; 0 1000 239.5; 0 0 1]\ncam1=[1000 0 319.5; 0 1000 239.5; 0 0 1]\n"
+        "doffs=0\nbaseline=100\nwidth=640\nheight=480\nndisp=200\n"
+    )
+    (tmp_path / "calib.txt").write_text(text)
+    answer = calc(f"limits --rig {tmp_path / 'calib.txt'}")
+    assert answer["min_depth"] == pytest.approx(100_000 / answer["search_max_px"], rel=1e-12)
+    assert answer["search_max_px"] > 150
+
+
+def test_the_shift_that_reaches_a_range(calc: Any) -> None:
+    # f B = 64 000 px mm: 300 mm is 213.33 px, 85.33 more than 128
+    words = "limits --focal 640 --baseline 100 --resolution 1280x720"
+    answer = calc(f"{words} --reach 0.3m")
+    assert answer["shift_px"] == 86
+    assert answer["min_depth"] == pytest.approx(64000 / 214, rel=1e-12)
+    assert calc(f"{words} --shift 86")["min_depth"] == answer["min_depth"] <= 300
+    assert calc(f"{words} --shift 85")["min_depth"] > 300
+    assert calc(f"{words} --reach 1m")["shift_px"] == 0
+    # to reach 2 m as well the least disparity may be 32 px at most
+    assert calc(f"{words} --reach 0.45:2m --disparities 0:128")["shift_px"] == 15
+    short = calc(f"{words} --reach 0.3:20m")
+    assert (short["shift_px"], short["min_depth"], codes(short)) == (None, None, ["no_shift"])
+    # 86 + 128 px down to 3.2 px, in whole shifts: 86 - 2 more than there are
+    assert "takes 211 px of search, there are 127" in short["remarks"][0]["text"]
+
+
+def test_limits_at_several_distances(calc: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    words = "limits --focal 640 --baseline 100 --resolution 1280x720"
+    answer = calc(f"{words} --z 1,2m")
+    assert [row["z"] for row in answer["at"]] == [1000, 2000]
+    # f B / (Z W) = 0.05 and 0.025
+    assert [row["overlap_share"] for row in answer["at"]] == pytest.approx([0.95, 0.975], rel=1e-12)
+    assert answer["overlap_share"] is None
+    one = calc(f"{words} --z 2m")
+    assert one["overlap_share"] == one["at"][0]["overlap_share"] == pytest.approx(0.975, rel=1e-12)
+    assert run(["calc", *f"{words} --z 1,2m --csv".split()]) == 0
+    rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
+    assert [float(row["overlap_share"]) for row in rows] == pytest.approx([0.95, 0.975], rel=1e-12)
+    assert len({row["blind_zone"] for row in rows}) == 1
+
+
 # --- forms ---
 
 
@@ -199,7 +391,9 @@ def test_csv_holds_the_numbers_of_json(calc: Any, capsys: pytest.CaptureFixture[
     expected = calc(f"point {W1}")
     assert run(["calc", "point", *W1.split(), "--csv"]) == 0
     (row,) = csv.DictReader(io.StringIO(capsys.readouterr().out))
-    assert row.pop("unit") == expected.pop("unit")
+    for word in ("unit", "seen_by"):
+        assert row.pop(word) == expected.pop(word)
+    del expected["remarks"], expected["uv_origin"]
     assert {key: float(value) for key, value in row.items()} == expected
 
 
@@ -254,6 +448,31 @@ CALC = f"calc point {P} --left 9,1 --right 0,1"
         (f"{CALC} --noise -1", 2, "noise -1 px: must be >= 0"),
         (f"{CALC} --disparity-error -1", 2, "disparity error -1 px: must be >= 0"),
         (f"{CALC} --json --csv", 2, "exclude each other"),
+        (f"calc point {P} --left 1000,1e300 --right 0,1", 2, "must be between -1,000,000 and 1,000,000 px"),
+        ("calc depth --z 0.2 --preset boards", 2, "depth 0.2: m or mm? Write the unit, as in 0.2m"),
+        ("calc depth --z 1,2m --preset boards", 2, "2 distances; give one"),
+        ("calc limits --z 1,3 --preset boards", 2, "m or mm? Write the unit"),
+        ("calc limits --preset boards --reach 1m --shift 3", 2, "--reach finds the shift, give one"),
+        (
+            "calc limits --preset boards --vergence 5 --reach 1m",
+            1,
+            "disparity shift: the rig is not rectified",
+        ),
+        (
+            "calc depth --z 3m --baseline 60 --focal 4 --pixel-pitch 3um",
+            2,
+            "focal length 4 is in px, and needs no --sensor-width or --pixel-pitch: write the unit, as in 4m",
+        ),
+        (
+            "calc depth --z 3m --baseline 60 --focal 4px --sensor-width 6mm --resolution 64x48",
+            2,
+            "write the unit, as in 4mm",
+        ),
+        (
+            "calc depth --z 3m --preset boards --focal 4mm --pixel-pitch 3um --sensor-width 9mm",
+            2,
+            "sensor width 9 mm: 1280 px of 3 um make 3.84 mm; give --sensor-width or --pixel-pitch",
+        ),
         (f"{CALC} --plot x.png", 2, "--plot needs --resolution"),
         (f"{CALC} --resolution 64x48 --plot /nowhere/x.png", 1, "output file /nowhere/x.png: No such file"),
         ("calc depth --z 3m --focal 1200", 2, "--baseline is missing"),

@@ -105,11 +105,13 @@ def test_the_nearest_overlap_is_where_theory_ends_the_blind_zone(
     rig = StereoRig.verged(lens, baseline, vergence, right=right)
     nearest = footprint(rig).nearest
     blind = blind_zone_m(rig)
-    if blind < 1e3 * baseline:
+    if blind < 300 * baseline:
         assert nearest is not None
-        assert nearest[1] == pytest.approx(blind, rel=1e-6, abs=1e-9)
-    else:
-        assert nearest is None or nearest[1] > 900 * baseline
+        # the plan's nearest point is one of those that both cameras see: theory's nearest is no farther
+        in_left = rig.rig_from_left.inverse.apply([nearest[0], 0.0, nearest[1]])
+        assert in_left[2] >= blind * (1 - 1e-9)
+        if rig.is_rectified:
+            assert nearest[1] == pytest.approx(blind, rel=1e-6, abs=1e-9)
 
 
 @settings(max_examples=60, deadline=None)

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from sampling import PLAIN, RIGS, close, points_in_view, rectified_rigs, rigs
+from scipy.optimize import least_squares
 from scipy.special import dawsn
 
 from rigsim.errors import InvalidRange
@@ -183,24 +184,51 @@ def test_bounds_by_hand() -> None:
     close(far, [4.0, math.inf, math.inf])
 
 
-@given(rigs(), SEEDS, st.floats(0.01, 5.0))
-def test_bounds_are_where_the_right_pixel_is_off_by_the_error(
-    rig: StereoRig, seed: int, error: float
-) -> None:
-    points = points_in_view(rig, 20, 1.0, 5.0, seed)
-    near, far = depth_bounds(rig, points, error)
-    assert (near < points[:, 2]).all()
-    assert (far > points[:, 2]).all()
-    uv_right = rig.project(points)[1]
-    for bound in (near, far):
-        there = np.isfinite(bound) & (bound > 0)
-        on_ray = points * (bound / points[:, 2])[:, None]
-        moved = np.linalg.norm(rig.project(on_ray[there])[1] - uv_right[there], axis=1)
-        close(moved, np.full(len(moved), error), rtol=1e-6)
-    assert ((far == math.inf) == (parallax_px(rig, points) <= error)).all()
+@pytest.mark.parametrize("kind", RIGS)
+def test_bounds_are_the_first_and_last_depth_whose_images_lie_within_the_error(kind: str) -> None:
+    rig, error = RIGS[kind], 1.5
+    points = points_in_view(rig, 3, 1.0, 4.0, seed=5)
+    for point, near, far in zip(points, *depth_bounds(rig, points, error), strict=True):
+        seen = np.hstack(rig.project(point[None]))[0]
+
+        def off(z: float, point: Array = point, seen: Array = seen) -> float:
+            """Least distance, px, between `seen` and the images of a point at depth z."""
+
+            def residual(xy: Array) -> Array:
+                return np.hstack(rig.project([[*(xy * z), z]]))[0] - seen
+
+            found = least_squares(residual, point[:2] / point[2], xtol=1e-15, ftol=1e-15, gtol=1e-15)
+            return float(np.linalg.norm(found.fun))
+
+        assert near < point[2] < far
+        for bound in (near, far):
+            close(off(bound), error / math.sqrt(2), rtol=1e-6)
+            assert off(bound + 0.01 * (point[2] - bound)) < error / math.sqrt(2)
 
 
-@pytest.mark.parametrize("kind", ["verged", "forward", "rolled", "unequal"])
+@given(rigs(distorted=True), SEEDS)
+def test_bounds_are_one_standard_deviation_away(rig: StereoRig, seed: int) -> None:
+    # one definition: near and far bound and std of seen pixels, whatever the lenses
+    points = points_in_view(rig, 10, 1.0, 5.0, seed)
+    noise = PixelNoise(1e-4)
+    near, far = depth_bounds(rig, points, noise.disparity_std_px)
+    std = predict_depth_std(rig, points, noise)
+    close(points[:, 2] - near, std, rtol=2e-3)
+    close(far - points[:, 2], std, rtol=2e-3)
+
+
+def test_bounds_of_a_zoomed_right_camera_by_hand() -> None:
+    # f 800 and 2400 px, B 0.1 m: x moves by dx, the right image by 2400 (dx - B dq); the least of
+    # (800 dx)^2 + (2400 (dx - B dq))^2 over dx is (2400 B dq)^2 / 10, and r is 2 / sqrt(2)
+    zoomed = Intrinsics.from_focal(1280, 960, 2400.0)
+    rig = StereoRig.rectified(PLAIN, 0.1, right=zoomed)
+    dq = math.sqrt(2) * math.sqrt(10) / 240
+    near, far = depth_bounds(rig, [[0.1, 0.02, 5.0]], 2.0)
+    close([near[0], far[0]], [1 / (0.2 + dq), 1 / (0.2 - dq)])
+    assert depth_bounds(rig, [[0.1, 0.02, 5.0]], 30.0)[1][0] == math.inf
+
+
+@pytest.mark.parametrize("kind", ["verged", "forward", "rolled", "unequal", "distorted"])
 def test_parallax_is_the_way_to_infinity(kind: str) -> None:
     rig = RIGS[kind]
     points = points_in_view(rig, 50, 1.0, 5.0)
@@ -215,7 +243,7 @@ def test_a_ray_that_ends_behind_the_right_camera_has_no_far_limit() -> None:
     assert np.isfinite(rig.project(ahead)[1]).all()
     assert (rig.right_from_left.R @ ahead[0])[2] < 0
     close(parallax_px(rig, ahead), [math.inf])
-    near, far = depth_bounds(rig, ahead, 1e4)
+    near, far = depth_bounds(rig, ahead, 500.0)
     assert 0 <= near[0] < 0.1 < far[0] < math.inf
 
 

@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
 from rigsim.cli import quantity
-from rigsim.cli.facts import Fact, print_facts
+from rigsim.cli.answer import print_remarks
+from rigsim.cli.calc_limits import limits
+from rigsim.cli.facts import Fact, Form, print_facts
 from rigsim.cli.options import Csv, Json, Markdown, Noise, Principal, single_rig, takes_rig
 from rigsim.cli.rigs import RigOptions
-from rigsim.errors import RigsimError
+from rigsim.errors import InvalidRange, RigsimError
 
 if TYPE_CHECKING:
     from rigsim.rig.arrays import Array
     from rigsim.rig.noise import PixelNoise
+    from rigsim.rig.remark import Remark
     from rigsim.rig.stereo import StereoRig
 
 app = typer.Typer(name="calc", help="Calculate with closed forms: a point, a distance, a rig's limits.")
@@ -27,8 +30,6 @@ DisparityError = Annotated[
         metavar="PX", help="Disparity error of the bounds; the noise's standard deviation by default."
     ),
 ]
-_TRUSTED = 4
-"""Disparities under this many times their noise are outside what std and bias describe."""
 _ERROR = quantity.Kind("disparity error", "px", quantity.NOISE.factors, at_least=0)
 
 
@@ -56,29 +57,49 @@ def point(
 ) -> None:
     """Triangulate one point seen in both images, with its uncertainty.
 
-    Lengths are in mm, in the left camera's frame: X right, Y down, Z forward.
+    Lengths are in mm, in the left camera's frame: X right, Y down, Z forward. Without --resolution pixels,
+    and so X and Y, count from the optical axis.
     """
+    form = Form(as_json, as_csv, as_markdown)
     rig = single_rig(options, principal, size_for="--plot" if plot else "")
     pixel_noise = _noise(noise)
     uv_left, uv_right = quantity.point(left, "left position"), quantity.point(right, "right position")
 
+    import numpy as np
+
+    from rigsim.study import sight
     from rigsim.theory.triangulation import triangulate
 
-    point_left = triangulate(rig, [uv_left], [uv_right])
-    disparity_px = uv_left[0] - uv_right[0]
-    x, y, z = (float(value) * 1e3 for value in point_left[0])
-    if not z > 0:
-        raise RigsimError(_why_no_depth(rig, disparity_px))
+    found = triangulate(rig, [uv_left], [uv_right])[0]
+    if not found[2] > 0:
+        raise RigsimError(_why_no_depth(rig, uv_left[0] - uv_right[0]))
+    uv = np.array(uv_left), np.array(uv_right)
+    seen = sight.sight_of_pixels(rig, *uv, sized=options.has_size)
+    residual = sight.residual_px(rig, found, *uv)
+    about = _about(rig, found, pixel_noise, disparity_error, seen.by_both)
+    remarks = [
+        *sight.rig_remarks(rig, sized=options.has_size),
+        *seen.remarks,
+        *sight.residual_remarks(rig, residual, pixel_noise, *uv),
+        *about.remarks,
+    ]
+    from_axis = not (options.has_size or principal)
+    frame_x, frame_y = ("'s axis, where u = 0", "'s axis, where v = 0") if from_axis else ("", "")
+    x, y, z = (float(value) * 1e3 for value in found)
+    error_x, error_y, error_z = about.errors_mm
     facts = [
-        Fact("x", "X", x, "mm", "right of the left camera"),
-        Fact("y", "Y", y, "mm", "below the left camera"),
-        Fact("z", "Z", z, "mm", "depth, in front of the left camera"),
-        Fact("disparity_px", "disparity", disparity_px, "px", "u left - u right"),
-        *_depth_facts(rig, point_left, pixel_noise, disparity_error),
+        Fact("seen_by", "seen by", seen.seen_by, "", _whose(options, "whose image holds its pixel")),
+        Fact("x", "X", x, "mm", f"right of the left camera{frame_x}", error_x),
+        Fact("y", "Y", y, "mm", f"below the left camera{frame_y}", error_y),
+        Fact("z", "Z", z, "mm", "depth, in front of the left camera", error_z),
+        Fact("disparity_px", "disparity", uv_left[0] - uv_right[0], "px", "u left - u right"),
+        *_residual_facts(residual, pixel_noise),
+        *about.facts,
     ]
     if plot is not None:
-        _draw(plot, rig, point_left, pixel_noise)
-    print_facts(facts, title="Point", as_json=as_json, as_csv=as_csv, as_markdown=as_markdown)
+        _draw(plot, rig, found[None], pixel_noise)
+    origin = "optical axis" if from_axis else "first pixel"
+    _print(facts, remarks, title="Point", form=form, uv_origin=origin)
 
 
 @app.command()
@@ -86,7 +107,7 @@ def point(
 def depth(
     options: RigOptions,
     z: Annotated[
-        str, typer.Option("--z", metavar="LENGTH", help="Distance along the left optical axis: 3m.")
+        str, typer.Option("--z", metavar="LENGTH", help="Distance Z along the left optical axis: 3m.")
     ],
     noise: Noise = "0.25",
     disparity_error: DisparityError = None,
@@ -94,127 +115,127 @@ def depth(
     as_csv: Csv = False,
     as_markdown: Markdown = False,
 ) -> None:
-    """Predict the depth error at a distance."""
+    """Predict the depth error at a distance, on the left camera's optical axis."""
+    form = Form(as_json, as_csv, as_markdown)
     rig = single_rig(options, None)
     pixel_noise = _noise(noise)
-    depth_mm = quantity.value(z, quantity.DEPTH)
+    depth_mm = _one_distance(z)
 
     import numpy as np
 
+    from rigsim.rig.remark import Remark
+    from rigsim.study import sight
     from rigsim.theory.uncertainty import predict_depth_bias
 
-    point_left = np.array([[0.0, 0.0, depth_mm / 1e3]])
-    uv_left, uv_right = rig.project(point_left)
-    bias_mm = float(predict_depth_bias(rig, point_left, pixel_noise)[0]) * 1e3
+    on_axis = np.array([0.0, 0.0, depth_mm / 1e3])
+    uv_left, uv_right = rig.project(on_axis[None])
+    seen = sight.sight_of_point(rig, on_axis, sized=options.has_size)
+    about = _about(rig, on_axis, pixel_noise, disparity_error, seen.by_both)
+    bias_mm = float(predict_depth_bias(rig, on_axis[None], pixel_noise)[0]) * 1e3
+    disparity_px = float(uv_left[0, 0] - uv_right[0, 0])
     facts = [
-        Fact("z", "Z", depth_mm, "mm", "depth on the left optical axis"),
+        Fact("seen_by", "seen by", seen.seen_by, "", _whose(options, "which cameras see the point")),
+        Fact("z", "Z", depth_mm, "mm", "depth, on the left optical axis", about.errors_mm[2]),
         Fact("focal_px", "focal length", rig.left.fx, "px", "of the left camera"),
-        Fact("disparity_px", "disparity", float(uv_left[0, 0] - uv_right[0, 0]), "px", "u left - u right"),
-        *_depth_facts(rig, point_left, pixel_noise, disparity_error),
-        Fact("depth_bias", "depth bias", bias_mm, "mm", "mean error of many noisy measurements"),
-    ]
-    print_facts(facts, title="Depth", as_json=as_json, as_csv=as_csv, as_markdown=as_markdown)
-
-
-@app.command()
-@takes_rig
-def limits(
-    options: RigOptions,
-    z: Annotated[
-        str, typer.Option("--z", metavar="LENGTH", help="Distance at which overlap and depth step are told.")
-    ] = "1m",
-    disparities: Annotated[
-        str, typer.Option(metavar="MIN:MAX", help="Disparities a matcher searches, px.")
-    ] = "1:128",
-    shift: Annotated[str, typer.Option(metavar="PX", help="Disparity shift added to the search.")] = "0",
-    principal: Principal = None,
-    as_json: Json = False,
-    as_csv: Csv = False,
-    as_markdown: Markdown = False,
-) -> None:
-    """Tell what a rig can see at all: depth range, overlap, blind zone, depth step."""
-    rig = single_rig(options, principal, size_for="calc limits")
-    depth_mm = quantity.value(z, quantity.DEPTH)
-    low_px, high_px = quantity.span(disparities, quantity.DISPARITY)
-    shift_px = quantity.value(shift, quantity.DISPARITY)
-
-    from rigsim.theory import limits as theory
-
-    nearest = farthest = math.nan
-    if rig.is_rectified:
-        nearest, farthest = theory.depth_range_for_disparities(rig, high_px, low_px, shift_px=shift_px)
-    depth_m = depth_mm / 1e3
-    overlap = theory.overlap_at_depth(rig, depth_m)
-    band_px = float(theory.dead_band_px(rig, depth_m))
-    band_mm = band_px * float(theory.world_per_pixel_m(rig, depth_m)) * 1e3
-    search = (
-        f"{low_px + shift_px:g} to {high_px + shift_px:g} px" if rig.is_rectified else "needs a rectified rig"
-    )
-    at = f"at Z = {depth_mm:g} mm"
-    facts = [
-        Fact("focal_px", "focal length", rig.left.fx, "px", "of the left camera"),
-        Fact("hfov_deg", "field of view", rig.left.hfov_deg, "deg", "horizontal, of the left camera"),
-        Fact("min_depth", "min depth", nearest * 1e3, "mm", f"largest disparity searched ({search})"),
-        Fact("max_depth", "max depth", farthest * 1e3, "mm", f"smallest disparity searched ({search})"),
+        Fact("disparity_px", "disparity", _if(seen.by_both, disparity_px), "px", "u left - u right"),
+        *about.facts,
         Fact(
-            "overlap_fov_deg", "overlap", theory.overlap_fov_deg(rig), "deg", "seen by both cameras far away"
-        ),
-        Fact(
-            "blind_zone",
-            "blind zone",
-            theory.blind_zone_m(rig) * 1e3,
+            "depth_bias",
+            "depth bias",
+            _if(seen.by_both, bias_mm),
             "mm",
-            "nearer, no point is seen by both",
-        ),
-        Fact("overlap_width", "overlap width", float(overlap.width_m) * 1e3, "mm", f"seen by both {at}"),
-        Fact("overlap_fraction", "overlap share", float(overlap.fraction), "", f"of the left image {at}"),
-        Fact("dead_band_px", "dead band", band_px, "px", f"left image columns unseen by the right {at}"),
-        Fact("dead_band", "dead band width", band_mm, "mm", f"the same in the scene {at}"),
-        Fact(
-            "depth_step",
-            "depth step",
-            float(theory.depth_step_m(rig, depth_m)) * 1e3,
-            "mm",
-            f"of one pixel of disparity {at}",
+            "mean error of many noisy measurements",
         ),
     ]
-    print_facts(facts, title="Limits", as_json=as_json, as_csv=as_csv, as_markdown=as_markdown)
+    remarks = [*sight.rig_remarks(rig, sized=options.has_size), *seen.remarks, *about.remarks]
+    if not (seen.by_both or quantity.UNIT.search(z)):
+        remarks.append(Remark("unit", f"depth {z} was taken in mm: write {z}m if metres are meant"))
+    _print(facts, remarks, title="Depth", form=form)
+
+
+app.command()(takes_rig(limits))
+
+
+class _About(NamedTuple):
+    """What is known about one point's depth."""
+
+    facts: list[Fact]
+    errors_mm: tuple[float, float, float]
+    remarks: list[Remark]
+
+
+def _about(
+    rig: StereoRig, point_left: Array, noise: PixelNoise, disparity_error: str | None, seen: bool
+) -> _About:
+    """Errors of a point (3,) m; NaN unless both cameras see it."""
+    import numpy as np
+
+    from rigsim.study.sight import noise_remarks
+    from rigsim.theory.limits import world_per_pixel_m
+    from rigsim.theory.uncertainty import depth_bounds, predict_covariance
+
+    at = point_left[None]
+    error_px = noise.disparity_std_px
+    if disparity_error is not None:
+        error_px = quantity.value(disparity_error, _ERROR)
+    per_pixel_mm = float(world_per_pixel_m(rig, point_left[2])) * 1e3
+    stds = near = far = math.nan
+    errors_mm = (math.nan, math.nan, math.nan)
+    if seen:
+        near, far = (float(bound[0]) * 1e3 for bound in depth_bounds(rig, at, error_px))
+        x, y, std_mm = (
+            float(value) for value in np.sqrt(np.diag(predict_covariance(rig, at, noise)[0])) * 1e3
+        )
+        stds = std_mm
+        gap = point_left[2] * 1e3 - near
+        errors_mm = (x, y, min((size for size in (std_mm, gap) if size > 0), default=math.nan))
+    off = f"when the disparity is off by {error_px:.4g} px"
+    if not rig.is_rectified:
+        off = f"when both pixels are off by {error_px / math.sqrt(2):.4g} px in all"
+    facts = [
+        Fact("world_per_pixel", "width of a pixel", per_pixel_mm, "mm", "at this depth"),
+        Fact("depth_std", "depth std", stds, "mm", f"for {noise.std_px:g} px of noise per coordinate", stds),
+        Fact("depth_near", "nearest depth", near, "mm", off, errors_mm[2]),
+        Fact("depth_far", "farthest depth", far, "mm", off, errors_mm[2]),
+    ]
+    return _About(facts, errors_mm, list(noise_remarks(rig, point_left, noise)) if seen else [])
+
+
+def _residual_facts(residual: float, noise: PixelNoise) -> list[Fact]:
+    # under a billionth of a pixel there is nothing but rounding
+    residual = residual if residual > 1e-9 else 0.0
+    sigmas = residual / noise.std_px if noise.std_px else math.nan if residual else 0.0
+    return [
+        Fact("residual_px", "residual", residual, "px", "left and right pixel off any one point"),
+        Fact("residual_sigma", "residual / noise", sigmas, "", "over 3 is odd, for a matching pair"),
+    ]
+
+
+def _print(facts: list[Fact], remarks: list[Remark], *, title: str, form: Form, **extra: str) -> None:
+    print_remarks(remarks)
+    told = [{"code": remark.code, "text": remark.text} for remark in remarks]
+    print_facts(facts, title=title, form=form, extra={**extra, "remarks": told})
+
+
+def _one_distance(text: str) -> float:
+    found = quantity.distances(text)
+    if len(found) != 1:
+        raise InvalidRange(f"depth {text}: {len(found)} distances; give one, or --z to calc limits")
+    return found[0]
+
+
+def _if(told: bool, value: float) -> float:
+    return value if told else math.nan
+
+
+def _whose(options: RigOptions, says: str) -> str:
+    return says if options.has_size else "no --resolution: images without an edge"
 
 
 def _noise(text: str) -> PixelNoise:
     from rigsim.rig.noise import PixelNoise
 
     return PixelNoise(quantity.value(text, quantity.NOISE))
-
-
-def _depth_facts(
-    rig: StereoRig, point_left: Array, noise: PixelNoise, disparity_error: str | None
-) -> list[Fact]:
-    """What is known about the depth of one point (1, 3) m."""
-    from rigsim.theory.limits import world_per_pixel_m
-    from rigsim.theory.uncertainty import depth_bounds, parallax_px, predict_depth_std
-
-    trusted_px, parallax = _TRUSTED * noise.disparity_std_px, float(parallax_px(rig, point_left)[0])
-    if parallax < trusted_px:
-        typer.echo(
-            f"rigsim: note: disparity {parallax:.3g} px is under {trusted_px:.3g} px, {_TRUSTED} times its"
-            " noise: trust the bounds, not the std",
-            err=True,
-        )
-
-    error_px = noise.disparity_std_px
-    if disparity_error is not None:
-        error_px = quantity.value(disparity_error, _ERROR)
-    near, far = (float(bound[0]) * 1e3 for bound in depth_bounds(rig, point_left, error_px))
-    std_mm = float(predict_depth_std(rig, point_left, noise)[0]) * 1e3
-    per_pixel_mm = float(world_per_pixel_m(rig, point_left[0, 2])) * 1e3
-    off = f"when the disparity is off by {error_px:.4g} px"
-    return [
-        Fact("world_per_pixel", "width of a pixel", per_pixel_mm, "mm", "at this depth"),
-        Fact("depth_std", "depth std", std_mm, "mm", f"for {noise.std_px:g} px of noise per coordinate"),
-        Fact("depth_near", "nearest depth", near, "mm", off),
-        Fact("depth_far", "farthest depth", far, "mm", off),
-    ]
 
 
 def _why_no_depth(rig: StereoRig, disparity_px: float) -> str:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from rigsim.theory.inverse import Camera, Requirement
 
 _PERCENT = re.compile(r"([0-9]*\.?[0-9]+)\s*%")
-_UNIT = re.compile(r"[a-zA-Zµμ°%]\s*$")
+_UNIT = quantity.UNIT
 
 
 def working_range(text: str) -> tuple[float, float]:

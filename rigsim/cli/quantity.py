@@ -22,6 +22,11 @@ MAX_VALUES = 1_000_000
 DEFAULT_COUNT = 10
 """Values of ``a:b``."""
 
+LARGEST_PX = 1e6
+"""Positions in an image beyond this are a slip of the pen."""
+
+UNIT = re.compile(r"[a-zA-Zµμ°%]\s*$")
+"""Whether a quantity, or the last of a range, is typed with its unit."""
 _NUMBER = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*([a-zA-Zµμ°]*)")
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)[a-z]*", re.IGNORECASE)
 _LARGEST_EXPONENT = 300
@@ -98,6 +103,20 @@ def values(text: str, kind: Kind) -> tuple[float, ...]:
     return _range(text, kind)
 
 
+def distances(text: str, *, least_mm: float = 10.0) -> tuple[float, ...]:
+    """Distances, mm, of one length, a list or a range; a short one without any unit is asked about.
+
+    Raises:
+        InvalidRange: as `values`; or none has a unit, and one is under `least_mm`: metres may be meant.
+    """
+    found = values(text, DEPTH)
+    if not UNIT.search(text) and min(found) < least_mm:
+        raise InvalidRange(
+            f"depth {text.strip()}: m or mm? Write the unit, as in {text.strip()}m or {text.strip()}mm"
+        )
+    return found
+
+
 def span(text: str, kind: Kind) -> tuple[float, float]:
     """Two ends ``a:b`` with a < b; units as in `value`.
 
@@ -156,13 +175,15 @@ def point(text: str, name: str) -> tuple[float, float]:
     """A position ``u,v`` in an image, px; `name` says which in the message.
 
     Raises:
-        InvalidRange: not two finite numbers.
+        InvalidRange: not two numbers that an image could have.
     """
     kind = Kind(name, "px", _PIXELS)
     parts = text.split(",")
     if len(parts) != 2:
         raise InvalidRange(f"{name} {text or 'empty'}: must be two numbers u,v, as in 980,500")
     u, v = (value(part, kind) for part in parts)
+    if max(abs(u), abs(v)) > LARGEST_PX:
+        raise InvalidRange(f"{name} {text}: must be between -{LARGEST_PX:,.0f} and {LARGEST_PX:,.0f} px")
     return u, v
 
 

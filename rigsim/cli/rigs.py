@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +15,8 @@ if TYPE_CHECKING:
     from rigsim.study.plan import RigGrid
 
 DEFAULT_PRESET = "boards"
+_SAME_WIDTH = 0.01
+"""By which a sensor's width and its pixels' may differ: data sheets round."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +32,11 @@ class RigOptions:
     pixel_pitch: str | None = None
     resolution: str | None = None
     vergence: str | None = None
+
+    @property
+    def has_size(self) -> bool:
+        """Whether anything says how large the images are."""
+        return self.rig is not None or self.preset is not None or self.resolution is not None
 
     def base(self, scene: str) -> StereoRig:
         """The rig that is varied: the file's, the preset's, or the one made for the scene."""
@@ -51,6 +59,17 @@ class RigOptions:
 
         return disparity_range(self.rig)
 
+    def published_search(self) -> tuple[tuple[float, float], str] | None:
+        """Disparities that the rig's own matcher searches, px, and who says so; None where nobody does."""
+        if self.preset is not None:
+            from rigsim.rig.presets import preset
+
+            named = preset(self.preset)
+            most_px = named.first("max_disparity_px")
+            return None if most_px is None else ((0.0, most_px), f"as published of {named.name}")
+        told = self.disparity_range()
+        return None if told is None else (told, f"as {self.rig} says")
+
     def grid(self, scene: str) -> RigGrid:
         """All rigs asked for.
 
@@ -59,9 +78,12 @@ class RigOptions:
         """
         from rigsim.study.plan import RigGrid
 
-        focals_px, hfovs_deg = self._lenses()
+        base = self.base(scene)
+        resolutions_px = quantity.resolutions(self.resolution) if self.resolution is not None else ()
+        widths_px = tuple(width for width, _ in resolutions_px) or (base.left.width,)
+        focals_px, hfovs_deg = self._lenses(widths_px)
         return RigGrid(
-            base=self.base(scene),
+            base=base,
             baselines_m=tuple(
                 mm / 1e3
                 for mm in (
@@ -70,7 +92,7 @@ class RigOptions:
             ),
             focals_px=focals_px,
             hfovs_deg=hfovs_deg,
-            resolutions_px=quantity.resolutions(self.resolution) if self.resolution is not None else (),
+            resolutions_px=resolutions_px,
             vergences_deg=quantity.values(self.vergence, quantity.VERGENCE)
             if self.vergence is not None
             else (),
@@ -87,7 +109,7 @@ class RigOptions:
             raise InvalidRange(f"{len(grid)} rigs given: this command takes one; `rigsim sweep` takes many")
         return next(iter(grid))
 
-    def _lenses(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    def _lenses(self, widths_px: Sequence[int]) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Focal lengths in px and fields of view in deg; one of the two is empty."""
         hfovs_deg = quantity.values(self.hfov, quantity.HFOV) if self.hfov is not None else ()
         if self.focal is None:
@@ -96,9 +118,15 @@ class RigOptions:
             return (), hfovs_deg
         focals, unit = quantity.focal_lengths(self.focal)
         if unit == "px":
+            if self.sensor_width or self.pixel_pitch:
+                raise InvalidRange(
+                    f"focal length {self.focal} is in px, and needs no --sensor-width or --pixel-pitch: "
+                    f"write the unit, as in {self.focal.removesuffix('px').strip()}mm, or leave those out"
+                )
             return focals, hfovs_deg
         if self.pixel_pitch:
             pitch_mm = quantity.value(self.pixel_pitch, quantity.PIXEL_PITCH)
+            self._check_width(pitch_mm, widths_px)
             return tuple(mm / pitch_mm for mm in focals), hfovs_deg
         if self.sensor_width:
             # behind the same sensor the lens keeps its field of view, whatever the resolution
@@ -112,3 +140,15 @@ class RigOptions:
         raise InvalidRange(
             f"focal length {self.focal}: mm needs --sensor-width or --pixel-pitch; or give it in px"
         )
+
+    def _check_width(self, pitch_mm: float, widths_px: Sequence[int]) -> None:
+        """Raise when --sensor-width is not what the pixels add up to."""
+        if not self.sensor_width:
+            return
+        width_mm = quantity.value(self.sensor_width, quantity.SENSOR_WIDTH)
+        for width_px in widths_px:
+            if abs(width_px * pitch_mm - width_mm) > _SAME_WIDTH * width_mm:
+                raise InvalidRange(
+                    f"sensor width {width_mm:g} mm: {width_px} px of {pitch_mm * 1e3:g} um make "
+                    f"{width_px * pitch_mm:.4g} mm; give --sensor-width or --pixel-pitch, not both"
+                )

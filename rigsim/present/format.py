@@ -27,6 +27,11 @@ def number(value: float, digits: int = 3) -> str:
     return _typeset(f"{value:.{decimals}f}")
 
 
+def fixed(value: float, decimals: int) -> str:
+    """`value` with so many decimals, whatever its size: ``2571.4``."""
+    return _typeset(f"{value:.{decimals}f}") if math.isfinite(value) else MISSING
+
+
 def plain(value: float, digits: int = 5) -> str:
     """`value` as short as it can be said: ``120``, ``0.25``, ``882.5``; for parameters and ticks."""
     value = float(value)

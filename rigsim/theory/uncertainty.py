@@ -16,6 +16,7 @@ from rigsim.rig.arrays import Array
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
 from rigsim.theory.blocks import blocks
+from rigsim.theory.bounds import extreme_depths
 from rigsim.theory.epipolar import epipolar_motion
 from rigsim.theory.matrices import inverse_symmetric
 
@@ -102,23 +103,32 @@ def predict_depth_rmse(rig: StereoRig, points_left: npt.ArrayLike, noise: PixelN
 def parallax_px(rig: StereoRig, points_left: npt.ArrayLike) -> Array:
     """Distance (N,) px in the right image between a point and the infinite end of its left ray.
 
-    What a disparity is to a rectified rig, ``f B / Z``, for any rig, in ideal pixels; infinite where
-    the ray's end lies behind the right camera.
+    What a disparity is to a rectified rig, ``f B / Z``, for any rig, in pixels as they are seen; infinite
+    where the right camera cannot show the ray's end. How certain a depth is, it does not say for
+    unequal or distorted lenses: that is `depth_in_sigmas`.
     """
-    motion = epipolar_motion(rig, _points(points_left))
+    points = _points(points_left)
+    motion = epipolar_motion(rig, points)
     with np.errstate(all="ignore"):
         away = np.where(motion.infinity_depth <= 0, 0.0, motion.infinity_depth)
-        return np.asarray(motion.speed / (motion.depth_right * away))
+        ideal = np.asarray(motion.speed / (motion.depth_right * away))
+        if rig.right.distortion is None:
+            return ideal
+        end = rig.right.project(points @ rig.right_from_left.R.T)
+        seen = np.linalg.norm(rig.project(points)[1] - end, axis=1)
+    return np.where(np.isnan(seen) & ~np.isnan(ideal), np.inf, seen)
 
 
 def depth_bounds(
     rig: StereoRig, points_left: npt.ArrayLike, disparity_error_px: npt.ArrayLike
 ) -> tuple[Array, Array]:
-    """Nearest and farthest depth (N,) m when the right pixel is off by up to `disparity_error_px`.
+    """Nearest and farthest depth (N,) m when the disparity is off by up to `disparity_error_px` p.
 
-    Exact: the left ray stays, the right image point moves along its epipolar line. When rectified
-    ``Z - Z^2 p / (f B + Z p)`` and ``Z + Z^2 p / (f B - Z p)``; the far bound is infinite once the
-    point at infinity lies within the error.
+    When rectified, exactly ``Z - Z^2 p / (f B + Z p)`` and ``Z + Z^2 p / (f B - Z p)``; the far bound is
+    infinite once the point at infinity lies within the error. For any other rig the four seen pixel
+    coordinates are off by p / sqrt(2) in all, as noise of that size in each makes a disparity's
+    standard deviation p: the extremes of `rigsim.theory.bounds`. Either way the bounds for the disparity's
+    standard deviation are, to first order, one standard deviation of the depth away.
 
     Raises:
         InvalidRange: the error is negative or NaN.
@@ -127,14 +137,15 @@ def depth_bounds(
     if not (error >= 0).all():
         raise InvalidRange(f"disparity error {error.min():g} px: must be >= 0")
     points = _points(points_left)
-    z = points[:, 2]
-    speed, a_z, w = epipolar_motion(rig, points)
+    if not rig.is_rectified:
+        return extreme_depths(rig, points, error / math.sqrt(2))
+    fx_b, z = rig.left.fx * rig.baseline_m, np.where(points[:, 2] > 0, points[:, 2], np.nan)
+    z = z + 0 * points.sum(axis=1)
     with np.errstate(all="ignore"):
-        room_near, room_far = speed + error * w * a_z, speed - error * w * a_z
-        near = np.where(room_near > 0, z - error * w**2 / room_near, 0.0)
-        far = np.where(room_far > 0, z + error * w**2 / room_far, math.inf)
-    unseen = np.isnan(w)
-    return np.where(unseen, np.nan, np.maximum(near, 0.0)), np.where(unseen, np.nan, far)
+        room = fx_b - error * z
+        near = z - error * z**2 / (fx_b + error * z)
+        far = np.where(room > 0, z + error * z**2 / room, math.inf)
+    return near, np.where(np.isnan(z), np.nan, far)
 
 
 def pixel_gain(rig: StereoRig, points_left: Array) -> Array:

@@ -4,28 +4,34 @@ from __future__ import annotations
 
 from typing import Literal
 
-from rigsim.interop.documents.base import Part
+from rigsim.interop.documents.base import Part, RemarkPart
+
+SeenBy = Literal["both", "left", "right", "neither"]
 
 
 class CalcDepthDocument(Part):
     """The depth error at a distance."""
 
+    seen_by: SeenBy
+    """Which cameras see the point; unless both do, no disparity and no error is told."""
     z: float
-    """Depth on the left optical axis, mm."""
+    """Depth, on the left camera's optical axis, mm."""
     focal_px: float
     """Focal length of the left camera, px."""
-    disparity_px: float
-    """``u_left - u_right``, px."""
+    disparity_px: float | None
+    """``u_left - u_right``, px; null unless both cameras see the point."""
     world_per_pixel: float
     """Width of a pixel at this depth, mm."""
     depth_std: float | None
-    """Standard deviation of the depth for this noise, mm."""
+    """Standard deviation of the depth for this noise, mm; null unless both cameras see the point."""
     depth_near: float | None
-    """Nearest depth when the disparity is off by its error, mm."""
+    """Nearest depth when the disparity is off by its error, mm; null unless both cameras see the point."""
     depth_far: float | None
-    """Farthest depth when the disparity is off by its error, mm; null without bound."""
+    """Farthest depth when the disparity is off by its error, mm; null as well without bound."""
     depth_bias: float | None
-    """Mean error of many noisy measurements, mm."""
+    """Mean error of many noisy measurements, mm; null unless both cameras see the point."""
+    remarks: list[RemarkPart]
+    """What is odd: who does not see the point and why, too much noise, an unlikely lens."""
     unit: Literal["mm"]
     """Unit of the keys that name none."""
 
@@ -33,6 +39,10 @@ class CalcDepthDocument(Part):
 class CalcPointDocument(Part):
     """A point seen in both images, in the left camera's frame."""
 
+    seen_by: SeenBy
+    """Whose image holds its pixel; unless both do, no depth error is told."""
+    uv_origin: Literal["first pixel", "optical axis"]
+    """Where pixels count from: the optical axis where neither image size nor principal point is known."""
     x: float
     """Right of the left camera, mm."""
     y: float
@@ -41,42 +51,91 @@ class CalcPointDocument(Part):
     """Depth, in front of the left camera, mm."""
     disparity_px: float
     """``u_left - u_right``, px."""
+    residual_px: float
+    """How far the two pixels are from the images of any one point, px in all: over sqrt(2) the rows'
+    difference when rectified."""
+    residual_sigma: float | None
+    """The same over the noise of a pixel coordinate; null without noise."""
     world_per_pixel: float
     """Width of a pixel at this depth, mm."""
     depth_std: float | None
-    """Standard deviation of the depth for this noise, mm."""
+    """Standard deviation of the depth for this noise, mm; null unless both images hold their pixel."""
     depth_near: float | None
-    """Nearest depth when the disparity is off by its error, mm."""
+    """Nearest depth when the disparity is off by its error, mm; null unless both images hold their pixel."""
     depth_far: float | None
-    """Farthest depth when the disparity is off by its error, mm; null without bound."""
+    """Farthest depth when the disparity is off by its error, mm; null as well without bound."""
+    remarks: list[RemarkPart]
+    """What is odd: pixels outside the image, rays that miss each other, too much noise, an unlikely lens."""
+    unit: Literal["mm"]
+    """Unit of the keys that name none."""
+
+
+class LimitsAt(Part):
+    """What both cameras see at one distance."""
+
+    z: float
+    """Z, along the left camera's optical axis, mm."""
+    overlap_share: float
+    """Share of the left image's pixels whose points at this Z the right camera sees too, 0 to 1."""
+    overlap_width: float
+    """Extent, along the left image's rows, of what both see at this Z, mm; 0 where they share nothing."""
+    overlap_height: float
+    """The same along its columns, mm."""
+    dead_band_px: float
+    """Left image columns in which the right camera sees nothing at this Z, px."""
+    dead_band: float
+    """Their width in the scene, mm."""
+    dead_rows_px: float
+    """Left image rows in which the right camera sees nothing at this Z, px."""
+    depth_step: float | None
+    """Depth of one pixel of disparity at this Z, mm; null where nothing is shared."""
     unit: Literal["mm"]
     """Unit of the keys that name none."""
 
 
 class CalcLimitsDocument(Part):
-    """What a rig can see at all."""
+    """What a rig can see at all; every Z is along the left camera's optical axis."""
 
     focal_px: float
     """Focal length of the left camera, px."""
     hfov_deg: float
-    """Horizontal field of view of the left camera, degrees."""
-    min_depth: float | None
-    """Depth of the largest disparity searched, mm; null for a rig that is not rectified."""
-    max_depth: float | None
-    """Depth of the smallest disparity searched, mm; null without bound or when not rectified."""
+    """Horizontal field of view of the left camera where it is widest, distortion included, degrees."""
     overlap_fov_deg: float
-    """Angle that both cameras see far away, degrees."""
+    """Horizontal angle, in the left camera's frame, of what both cameras see far away, degrees."""
+    overlap_vfov_deg: float
+    """The same, vertical."""
     blind_zone: float | None
-    """Nearer, no point is seen by both, mm; null when they never share a point."""
-    overlap_width: float
-    """Width that both see at --z, mm."""
-    overlap_fraction: float
-    """The same as a share of the left image."""
-    dead_band_px: float
-    """Left image columns unseen by the right camera at --z, px."""
-    dead_band: float
-    """Their width in the scene, mm."""
+    """Z before which no point at all is seen by both, mm; null when they never share a point."""
+    min_depth: float | None
+    """Depth of the largest disparity searched, mm; null for a rig that is not rectified, or where no shift
+    will do."""
+    max_depth: float | None
+    """Depth of the smallest disparity searched, mm; null as well without bound."""
+    search_min_px: float
+    """Least disparity searched, px, shift left out."""
+    search_max_px: float
+    """Greatest disparity searched, px, shift left out."""
+    shift_px: float | None
+    """Disparity shift added to both: --shift, or the one that --reach finds; null where none will do."""
+    z: float | None
+    """The one distance --z, mm; null when several are given, as all below: see `at`."""
+    overlap_share: float | None
+    """As in `at`."""
+    overlap_width: float | None
+    """As in `at`, mm."""
+    overlap_height: float | None
+    """As in `at`, mm."""
+    dead_band_px: float | None
+    """As in `at`, px."""
+    dead_band: float | None
+    """As in `at`, mm."""
+    dead_rows_px: float | None
+    """As in `at`, px."""
     depth_step: float | None
-    """Depth of one pixel of disparity at --z, mm."""
+    """As in `at`, mm."""
+    at: list[LimitsAt]
+    """What both cameras see at each --z, in the order given."""
+    remarks: list[RemarkPart]
+    """What is odd: distances at which nothing is shared, no shift that reaches, an unlikely lens."""
     unit: Literal["mm"]
     """Unit of the keys that name none."""
