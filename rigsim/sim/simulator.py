@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from types import TracebackType
 from typing import TYPE_CHECKING, Protocol
 
@@ -125,12 +126,16 @@ class Simulator:
         return StereoFrame(*views)
 
     def truth(
-        self, n_points: int, rng: np.random.Generator, range_m: tuple[float, float] | None = None
+        self,
+        n_points: int,
+        rng: np.random.Generator,
+        range_m: tuple[float, float] | None = None,
+        far_limit_m: float = math.inf,
     ) -> GroundTruth:
         """Ground-truth points for the placed rig; see `rigsim.sim.truth.sample_truth`."""
         from rigsim.sim.truth import sample_truth
 
-        return sample_truth(self.scene, n_points, rng, range_m)
+        return sample_truth(self.scene, n_points, rng, range_m, far_limit_m)
 
     def true_corners(self) -> TrueCorners:
         """Corners of the scene's checker boards; see `rigsim.sim.boards`."""

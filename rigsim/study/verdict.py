@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
 import pandas as pd
 
+from rigsim.study.comparison import (
+    WELL_COVERED,
+    Comparison,
+    compare,
+    reservations,
+    row_of_bins,
+)
+from rigsim.study.growth import growth_words
 from rigsim.study.result import AXES, Verdict
-
-WELL_COVERED = 0.8
-"""A configuration must keep this share of the best coverage to be called best."""
 
 _LOW_DISPARITY = 0.05
 _FAILED = 0.01
 _BIASED = 0.3
+_TIE_SIGMAS = 2.0
 
 _AXIS_WORDS = {
     "baseline_mm": ("baseline", "mm"),
@@ -62,18 +71,23 @@ def limits(rows: pd.DataFrame) -> tuple[str, ...]:
     return tuple(words)
 
 
-def rank(rows: pd.DataFrame) -> tuple[int, ...]:
-    """Places of the rows, best first: smallest depth error among those that cover enough and are not flagged.
+def rank(rows: pd.DataFrame, by_depth: pd.DataFrame) -> tuple[int, ...]:
+    """Places of the rows, best first: smallest depth error at the distances that all contenders answer.
 
-    Noise is a circumstance, not a choice: only rows of the middle noise level compete.
+    What is flagged, and what covers too little, comes later; of rows that cannot be compared, the one that
+    answers more comes first. Noise is a circumstance, not a choice: only rows of the middle noise level
+    compete.
     """
     noises = sorted(rows["noise_px"].unique())
-    compete = rows[(rows["noise_px"] == noises[(len(noises) - 1) // 2]) & rows["depth_rmse_mm"].notna()]
-    enough = compete["visible_fraction"] >= WELL_COVERED * compete["visible_fraction"].max()
-    agrees = compete["agreement"] == "agrees"
+    middle = rows["noise_px"] == noises[(len(noises) - 1) // 2]
+    comparison = compare(rows, by_depth)
     order = (
-        compete.assign(poor=~enough, doubtful=~agrees)
-        .sort_values(["doubtful", "poor", "depth_rmse_mm"], kind="stable")
+        rows.assign(
+            reservations=reservations(rows),
+            missing=~comparison.compared,
+            error=np.where(comparison.compared, comparison.simulated_mm, -comparison.answered),
+        )[middle & rows["depth_rmse_mm"].notna()]
+        .sort_values(["reservations", "missing", "error"], kind="stable")
         .index
     )
     return tuple(int(i) for i in order)
@@ -83,26 +97,52 @@ def judge(
     rows: pd.DataFrame,
     by_depth: pd.DataFrame,
     swept: tuple[str, ...],
-    best: int,
+    order: tuple[int, ...],
     lens_note: str,
     complete: bool,
+    far_limit: str = "",
 ) -> Verdict:
-    """Put the sweep into sentences."""
+    """Put the sweep into sentences.
+
+    Args:
+        rows: `SweepResult.rows`.
+        by_depth: `SweepResult.by_depth`.
+        swept: the axes that were varied.
+        order: places of the rows, best first.
+        lens_note: what stayed and what changed between resolutions.
+        complete: whether every rig was done.
+        far_limit: what was left out for being too far, as `far_limit_words` says it.
+    """
     flagged = rows["agreement"] != "agrees"
+    best = order[0]
     row = rows.loc[best]
+    bins = _bins(best, rows, by_depth)
     sentences = [
-        *_far_end(row, by_depth),
-        *_trend(rows, swept, best),
+        *_far_end(bins),
+        *_choice(rows, compare(rows, by_depth), swept, order),
+        *_trend(rows, by_depth, swept, best),
         *_measured(row),
         _agreement(rows, flagged),
         *_coverage(rows, swept),
         *_low_disparity(row),
     ]
+    if far_limit:
+        sentences.append(far_limit)
     if lens_note:
         sentences.append(lens_note)
     if not complete:
         sentences.insert(0, "The run was interrupted: only the rigs done until then are shown.")
-    return Verdict(_headline(row, by_depth), tuple(sentences), not bool(flagged.any()))
+    return Verdict(_headline(row, bins), tuple(sentences), not bool(flagged.any()))
+
+
+def far_limit_words(limit_m: float, beyond_fraction: float) -> str:
+    """What was left out for being too far; empty when nothing was."""
+    if not (math.isfinite(limit_m) and beyond_fraction > 0):
+        return ""
+    return (
+        f"Surfaces beyond {limit_m:.3g} m, up to {_percent(beyond_fraction)} of a left image, are left out: "
+        "there no rig of this sweep has a depth of 4 of its standard deviations (--range sets other limits)."
+    )
 
 
 def describe(row: pd.Series, axes: tuple[str, ...]) -> str:
@@ -110,57 +150,86 @@ def describe(row: pd.Series, axes: tuple[str, ...]) -> str:
     return ", ".join(_say(axis, row[axis]) for axis in axes)
 
 
-def _headline(row: pd.Series, by_depth: pd.DataFrame) -> str:
-    bins = _bins(row, by_depth)
+def _headline(row: pd.Series, bins: pd.DataFrame) -> str:
     middle = bins[bins["depth_far_mm"] >= row["depth_median_mm"]].iloc[0]
-    n = round(row["n_points"] * row["visible_fraction"])
     ending = "and in agreement" if row["agreement"] == "agrees" else f"and {row['agreement']}"
     return (
         f"At {_depths(middle)}, {row['baseline_mm']:.4g} mm of baseline gives "
         f"{_mm(middle['depth_rmse_mm'])} RMS depth error; "
         f"predicted {_mm(middle['predicted_depth_rmse_mm'])}; "
-        f"simulated on {n} points of `{row['scene']}`, {ending}."
+        f"simulated on {row['n_visible']:.0f} points of `{row['scene']}`, {ending}."
     )
 
 
-def _far_end(row: pd.Series, by_depth: pd.DataFrame) -> list[str]:
-    bins = _bins(row, by_depth)
+def _far_end(bins: pd.DataFrame) -> list[str]:
     if len(bins) < 2:
         return []
     last = bins.iloc[-1]
+    growth = growth_words(bins)
     return [
         f"At the far end, {_depths(last)}, the same rig gives {_mm(last['depth_rmse_mm'])} RMS "
-        f"(predicted {_mm(last['predicted_depth_rmse_mm'])}): it grows with the distance squared."
+        f"(predicted {_mm(last['predicted_depth_rmse_mm'])})" + (f": {growth}." if growth else ".")
     ]
 
 
-def _bins(row: pd.Series, by_depth: pd.DataFrame) -> pd.DataFrame:
+def _bins(place: int, rows: pd.DataFrame, by_depth: pd.DataFrame) -> pd.DataFrame:
     """The depth bins of one row that hold a result, near to far."""
-    key = ["scene", *AXES]
-    return by_depth[(by_depth[key] == row[key]).all(axis=1) & by_depth["depth_rmse_mm"].notna()]
+    return by_depth[(row_of_bins(rows, by_depth) == place) & by_depth["depth_rmse_mm"].notna()]
 
 
 def _depths(row: pd.Series) -> str:
     return f"{row['depth_near_mm'] / 1e3:.3g} to {row['depth_far_mm'] / 1e3:.3g} m"
 
 
-def _trend(rows: pd.DataFrame, swept: tuple[str, ...], best: int) -> list[str]:
-    """How the error moves along the first numeric axis, the others held at the best row's values."""
+def _choice(
+    rows: pd.DataFrame, comparison: Comparison, swept: tuple[str, ...], order: tuple[int, ...]
+) -> list[str]:
+    """By what the best row was chosen, and which row is as good as far as the sample can tell."""
+    best, others = order[0], [place for place in order[1:] if comparison.compared[place]]
+    if not others or not comparison.compared[best]:
+        return []
+    error, spread = comparison.simulated_mm, comparison.spread_mm
+    n = 1 + len(others)
+    sentence = (
+        f"Best of {n} compared at the same distances, {comparison.words}: "
+        f"{describe(rows.loc[best], swept)}, {_mm(error[best])} RMS per pixel of the image"
+    )
+    level = reservations(rows)
+    second = next(
+        (place for place in others if level[place] == level[best] and _differ(rows, best, place)), None
+    )
+    if second is None:
+        return [sentence + "."]
+    room = _TIE_SIGMAS * math.hypot(spread[best], spread[second])
+    word = "as good within what the points can tell" if error[second] - error[best] <= room else "next"
+    return [f"{sentence}; {word}: {describe(rows.loc[second], swept)}, {_mm(error[second])}."]
+
+
+def _differ(rows: pd.DataFrame, one: int, other: int) -> bool:
+    """Whether two rows differ in what the simulation knows: it sees no picture."""
+    axes = [axis for axis in AXES if axis != "sensor"]
+    return bool((rows.loc[one, axes] != rows.loc[other, axes]).any())
+
+
+def _trend(rows: pd.DataFrame, by_depth: pd.DataFrame, swept: tuple[str, ...], best: int) -> list[str]:
+    """How the error at the same distances moves along the first numeric axis, the others held."""
     numeric = [axis for axis in swept if _AXIS_WORDS[axis][1]]
     if not numeric:
         return []
     axis = numeric[0]
     others = [other for other in swept if other != axis]
-    line = rows[(rows[others] == rows.loc[best, others]).all(axis=1)] if others else rows
-    line = line[line["depth_rmse_mm"].notna()].sort_values(axis, kind="stable")
+    among = (rows[others] == rows.loc[best, others]).all(axis=1).to_numpy()
+    comparison = compare(rows, by_depth, among)
+    line = rows[among & comparison.compared].sort_values(axis, kind="stable")
     if len(line) < 2:
         return []
-    first, last = line.iloc[0], line.iloc[-1]
-    verb = "falls" if last["depth_rmse_mm"] < first["depth_rmse_mm"] else "rises"
+    ends = line.index[0], line.index[-1]
+    first_mm, last_mm = (comparison.simulated_mm[place] for place in ends)
+    verb = "falls" if last_mm < first_mm else "rises"
     held = f" (at {describe(rows.loc[best], tuple(others))})" if others else ""
     return [
-        f"From {first[axis]:.4g} to {_say(axis, last[axis])}{held}, the depth error over the whole "
-        f"scene {verb} from {_mm(first['depth_rmse_mm'])} to {_mm(last['depth_rmse_mm'])} RMS."
+        f"From {line[axis].iloc[0]:.4g} to {_say(axis, line[axis].iloc[-1])}{held}, the depth error at "
+        f"{comparison.words} {verb} from {_mm(first_mm)} to {_mm(last_mm)} RMS per pixel of the image."
     ]
 
 
@@ -197,11 +266,13 @@ def _coverage(rows: pd.DataFrame, swept: tuple[str, ...]) -> list[str]:
     coverage = rows["visible_fraction"]
     poor = coverage < WELL_COVERED * coverage.max()
     if not poor.any():
-        return [f"Both cameras see {_percent(coverage.min())} or more of the points that the left one sees."]
+        return [
+            f"Both cameras see {_percent(coverage.min())} or more of the left image's pixels that show the scene."
+        ]
     worst = rows.loc[coverage.idxmin()]
     return [
         f"The cameras share least at {describe(worst, swept) or 'this rig'}: both see only "
-        f"{_percent(worst['visible_fraction'])} of what the left one sees, "
+        f"{_percent(worst['visible_fraction'])} of the left image's pixels that show the scene, "
         f"against {_percent(coverage.max())} at best; rows under {_percent(WELL_COVERED)} of the best "
         "coverage are not called best."
     ]
@@ -211,8 +282,8 @@ def _low_disparity(row: pd.Series) -> list[str]:
     if not row["low_disparity_fraction"] > 0:
         return []
     return [
-        f"At the best rig {_percent(row['low_disparity_fraction'])} of the points have a disparity under "
-        "4 standard deviations of its noise; they are counted, but kept out of the RMS."
+        f"At the best rig {_percent(row['low_disparity_fraction'])} of the pixels that both cameras see have a "
+        "depth under 4 standard deviations of its noise; they are counted, but kept out of the RMS."
     ]
 
 

@@ -46,22 +46,26 @@ class Row(Part):
     """Lens and sensor of the pictures."""
     n_points: int
     """Truth points."""
+    n_visible: int
+    """Truth points that both cameras see."""
     n_trials: int
     """Noisy repetitions of each."""
+    scene_fraction: float
+    """Pixels of the left image that show the scene (within the range, or the bin), of all."""
     visible_fraction: float
-    """Points that both cameras see, of those the left one sees."""
+    """Of these pixels, those that show what the right camera sees too."""
     overlap_fraction: float
-    """Points within the right camera's field of view, hidden or not."""
+    """Of these pixels, those that show what lies within the right camera's field of view, hidden or not."""
     failed_fraction: float | None
     """Triangulations of visible points that gave no point in front of both cameras."""
     low_disparity_fraction: float | None
-    """Visible points with a disparity under 4 sigma; they are kept out of every RMS."""
+    """Of the pixels that show what both see, those with a depth under 4 of its sigmas; in no RMS."""
     depth_median_mm: float | None
     """Median true depth of the points in the statistics, mm."""
     depth_bias_mm: float | None
     """Simulated mean depth error, mm."""
     depth_rmse_mm: float | None
-    """Simulated RMS depth error, mm."""
+    """Simulated RMS depth error over the truth points, which are balanced over depth, mm."""
     depth_rmse_ci_low_mm: float | None
     """Lower end of its 95 % confidence interval, mm."""
     depth_rmse_ci_high_mm: float | None
@@ -80,6 +84,10 @@ class Row(Part):
     """Ratio of the two."""
     nees: float | None
     """Mean normalised squared error: 3 when the predicted covariance is right."""
+    depth_rmse_image_mm: float | None
+    """Simulated RMS depth error per pixel of the left image, as of a depth map, mm."""
+    predicted_depth_rmse_image_mm: float | None
+    """The closed forms' answer for it, mm."""
     measured_method: str
     """What was measured in the two pictures: corners, patches, dense or none."""
     measured_n: int
