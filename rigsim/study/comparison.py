@@ -91,13 +91,13 @@ def compare(rows: pd.DataFrame, by_depth: pd.DataFrame, among: Mask | None = Non
     bins = _Bins.of(rows, by_depth)
     weight = np.nanmean(bins.share[among], axis=0) if among.any() else np.zeros(len(bins.edges_mm))
     chosen = np.flatnonzero(among)
-    shared = bins.answered[chosen].all(axis=0)
+    shared = np.asarray(bins.answered[chosen].all(axis=0))
     while len(chosen) > 1:
         held = bins.answered[chosen] @ weight
         if weight[shared].sum() >= _SHARED * held.max() and shared.any():
             break
         chosen = np.delete(chosen, int(np.argmin(held)))
-        shared = bins.answered[chosen].all(axis=0)
+        shared = np.asarray(bins.answered[chosen].all(axis=0))
     return _pooled(bins, shared, weight[shared], bins.answered @ weight)
 
 
@@ -109,7 +109,7 @@ def row_of_bins(rows: pd.DataFrame, by_depth: pd.DataFrame) -> Ids:
     head, near = by_depth[list(_KEY)], by_depth["depth_near_mm"]
     starts = (head != head.shift()).any(axis=1) | (near <= near.shift())
     places = np.flatnonzero(rows["n_points"] > 0)
-    return places[starts.cumsum().to_numpy(dtype=np.int64) - 1].astype(np.int32)
+    return np.asarray(places[starts.cumsum().to_numpy(dtype=np.int64) - 1], dtype=np.int32)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

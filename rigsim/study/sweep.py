@@ -13,6 +13,7 @@ from rigsim.errors import InvalidRange, InvalidScene
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
 from rigsim.study import verdict as words
+from rigsim.study.choice import rank
 from rigsim.study.executor import run_all
 from rigsim.study.geometry import Look, far_limit_m, look, simulate
 from rigsim.study.pictures import without_noise
@@ -89,7 +90,7 @@ def _conclude(
 ) -> SweepResult:
     table = pd.DataFrame(rows, columns=list(ROW_COLUMNS))
     depth_table = pd.DataFrame(by_depth, columns=list(DEPTH_COLUMNS))
-    order = words.rank(table, depth_table)
+    order = rank(table, depth_table)
     if not order:
         reasons = dict.fromkeys(str(reason).removeprefix("flagged: ") for reason in table["agreement"])
         if len(reasons) == 1 and next(iter(reasons)).startswith("scene "):

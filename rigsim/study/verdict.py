@@ -4,35 +4,17 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 import pandas as pd
 
-from rigsim.study.comparison import (
-    WELL_COVERED,
-    Comparison,
-    compare,
-    reservations,
-    row_of_bins,
-)
+from rigsim.study.choice import choice, trend
+from rigsim.study.comparison import WELL_COVERED, compare, row_of_bins
 from rigsim.study.growth import growth_words
+from rigsim.study.phrases import describe, mm, percent
 from rigsim.study.result import AXES, Verdict
 
 _LOW_DISPARITY = 0.05
 _FAILED = 0.01
 _BIASED = 0.3
-_TIE_SIGMAS = 2.0
-
-_AXIS_WORDS = {
-    "baseline_mm": ("baseline", "mm"),
-    "focal_px": ("focal length", "px"),
-    "hfov_deg": ("field of view", "°"),
-    "width_px": ("image width", "px"),
-    "height_px": ("image height", "px"),
-    "vergence_deg": ("vergence", "°"),
-    "noise_px": ("noise", "px"),
-    "triangulator": ("triangulator", ""),
-    "sensor": ("sensor", ""),
-}
 
 
 def swept_axes(rows: pd.DataFrame, order: tuple[str, ...]) -> tuple[str, ...]:
@@ -71,28 +53,6 @@ def limits(rows: pd.DataFrame) -> tuple[str, ...]:
     return tuple(words)
 
 
-def rank(rows: pd.DataFrame, by_depth: pd.DataFrame) -> tuple[int, ...]:
-    """Places of the rows, best first: smallest depth error at the distances that all contenders answer.
-
-    What is flagged, and what covers too little, comes later; of rows that cannot be compared, the one that
-    answers more comes first. Noise is a circumstance, not a choice: only rows of the middle noise level
-    compete.
-    """
-    noises = sorted(rows["noise_px"].unique())
-    middle = rows["noise_px"] == noises[(len(noises) - 1) // 2]
-    comparison = compare(rows, by_depth)
-    order = (
-        rows.assign(
-            reservations=reservations(rows),
-            missing=~comparison.compared,
-            error=np.where(comparison.compared, comparison.simulated_mm, -comparison.answered),
-        )[middle & rows["depth_rmse_mm"].notna()]
-        .sort_values(["reservations", "missing", "error"], kind="stable")
-        .index
-    )
-    return tuple(int(i) for i in order)
-
-
 def judge(
     rows: pd.DataFrame,
     by_depth: pd.DataFrame,
@@ -119,8 +79,8 @@ def judge(
     bins = _bins(best, rows, by_depth)
     sentences = [
         *_far_end(bins),
-        *_choice(rows, compare(rows, by_depth), swept, order),
-        *_trend(rows, by_depth, swept, best),
+        *choice(rows, compare(rows, by_depth), swept, order),
+        *trend(rows, by_depth, swept, best),
         *_measured(row),
         _agreement(rows, flagged),
         *_coverage(rows, swept),
@@ -140,14 +100,9 @@ def far_limit_words(limit_m: float, beyond_fraction: float) -> str:
     if not (math.isfinite(limit_m) and beyond_fraction > 0):
         return ""
     return (
-        f"Surfaces beyond {limit_m:.3g} m, up to {_percent(beyond_fraction)} of a left image, are left out: "
+        f"Surfaces beyond {limit_m:.3g} m, up to {percent(beyond_fraction)} of a left image, are left out: "
         "there no rig of this sweep has a depth of 4 of its standard deviations (--range sets other limits)."
     )
-
-
-def describe(row: pd.Series, axes: tuple[str, ...]) -> str:
-    """The row's values on some axes, as a person would say them."""
-    return ", ".join(_say(axis, row[axis]) for axis in axes)
 
 
 def _headline(row: pd.Series, bins: pd.DataFrame) -> str:
@@ -155,8 +110,8 @@ def _headline(row: pd.Series, bins: pd.DataFrame) -> str:
     ending = "and in agreement" if row["agreement"] == "agrees" else f"and {row['agreement']}"
     return (
         f"At {_depths(middle)}, {row['baseline_mm']:.4g} mm of baseline gives "
-        f"{_mm(middle['depth_rmse_mm'])} RMS depth error; "
-        f"predicted {_mm(middle['predicted_depth_rmse_mm'])}; "
+        f"{mm(middle['depth_rmse_mm'])} RMS depth error; "
+        f"predicted {mm(middle['predicted_depth_rmse_mm'])}; "
         f"simulated on {row['n_visible']:.0f} points of `{row['scene']}`, {ending}."
     )
 
@@ -167,8 +122,8 @@ def _far_end(bins: pd.DataFrame) -> list[str]:
     last = bins.iloc[-1]
     growth = growth_words(bins)
     return [
-        f"At the far end, {_depths(last)}, the same rig gives {_mm(last['depth_rmse_mm'])} RMS "
-        f"(predicted {_mm(last['predicted_depth_rmse_mm'])})" + (f": {growth}." if growth else ".")
+        f"At the far end, {_depths(last)}, the same rig gives {mm(last['depth_rmse_mm'])} RMS "
+        f"(predicted {mm(last['predicted_depth_rmse_mm'])})" + (f": {growth}." if growth else ".")
     ]
 
 
@@ -179,58 +134,6 @@ def _bins(place: int, rows: pd.DataFrame, by_depth: pd.DataFrame) -> pd.DataFram
 
 def _depths(row: pd.Series) -> str:
     return f"{row['depth_near_mm'] / 1e3:.3g} to {row['depth_far_mm'] / 1e3:.3g} m"
-
-
-def _choice(
-    rows: pd.DataFrame, comparison: Comparison, swept: tuple[str, ...], order: tuple[int, ...]
-) -> list[str]:
-    """By what the best row was chosen, and which row is as good as far as the sample can tell."""
-    best, others = order[0], [place for place in order[1:] if comparison.compared[place]]
-    if not others or not comparison.compared[best]:
-        return []
-    error, spread = comparison.simulated_mm, comparison.spread_mm
-    n = 1 + len(others)
-    sentence = (
-        f"Best of {n} compared at the same distances, {comparison.words}: "
-        f"{describe(rows.loc[best], swept)}, {_mm(error[best])} RMS per pixel of the image"
-    )
-    level = reservations(rows)
-    second = next(
-        (place for place in others if level[place] == level[best] and _differ(rows, best, place)), None
-    )
-    if second is None:
-        return [sentence + "."]
-    room = _TIE_SIGMAS * math.hypot(spread[best], spread[second])
-    word = "as good within what the points can tell" if error[second] - error[best] <= room else "next"
-    return [f"{sentence}; {word}: {describe(rows.loc[second], swept)}, {_mm(error[second])}."]
-
-
-def _differ(rows: pd.DataFrame, one: int, other: int) -> bool:
-    """Whether two rows differ in what the simulation knows: it sees no picture."""
-    axes = [axis for axis in AXES if axis != "sensor"]
-    return bool((rows.loc[one, axes] != rows.loc[other, axes]).any())
-
-
-def _trend(rows: pd.DataFrame, by_depth: pd.DataFrame, swept: tuple[str, ...], best: int) -> list[str]:
-    """How the error at the same distances moves along the first numeric axis, the others held."""
-    numeric = [axis for axis in swept if _AXIS_WORDS[axis][1]]
-    if not numeric:
-        return []
-    axis = numeric[0]
-    others = [other for other in swept if other != axis]
-    among = (rows[others] == rows.loc[best, others]).all(axis=1).to_numpy()
-    comparison = compare(rows, by_depth, among)
-    line = rows[among & comparison.compared].sort_values(axis, kind="stable")
-    if len(line) < 2:
-        return []
-    ends = line.index[0], line.index[-1]
-    first_mm, last_mm = (comparison.simulated_mm[place] for place in ends)
-    verb = "falls" if last_mm < first_mm else "rises"
-    held = f" (at {describe(rows.loc[best], tuple(others))})" if others else ""
-    return [
-        f"From {line[axis].iloc[0]:.4g} to {_say(axis, line[axis].iloc[-1])}{held}, the depth error at "
-        f"{comparison.words} {verb} from {_mm(first_mm)} to {_mm(last_mm)} RMS per pixel of the image."
-    ]
 
 
 def _agreement(rows: pd.DataFrame, flagged: pd.Series) -> str:
@@ -256,8 +159,8 @@ def _measured(row: pd.Series) -> list[str]:
     noise_px = row["measured_disparity_std_px"] / 2**0.5
     return [
         f"Measured in the pictures ({int(row['measured_n'])} {row['measured_method']}, sensor "
-        f"`{row['sensor']}`): {_mm(row['measured_depth_rmse_mm'])} RMS depth error, where the accuracy they "
-        f"claim predicts {_mm(row['predicted_from_measured_rmse_mm'])}; their disparity noise of "
+        f"`{row['sensor']}`): {mm(row['measured_depth_rmse_mm'])} RMS depth error, where the accuracy they "
+        f"claim predicts {mm(row['predicted_from_measured_rmse_mm'])}; their disparity noise of "
         f"{row['measured_disparity_std_px']:.2g} px corresponds to `--noise {noise_px:.2g}`."
     ]
 
@@ -266,14 +169,13 @@ def _coverage(rows: pd.DataFrame, swept: tuple[str, ...]) -> list[str]:
     coverage = rows["visible_fraction"]
     poor = coverage < WELL_COVERED * coverage.max()
     if not poor.any():
-        return [
-            f"Both cameras see {_percent(coverage.min())} or more of the left image's pixels that show the scene."
-        ]
+        least = percent(coverage.min())
+        return [f"Both cameras see {least} or more of the left image's pixels that show the scene."]
     worst = rows.loc[coverage.idxmin()]
     return [
         f"The cameras share least at {describe(worst, swept) or 'this rig'}: both see only "
-        f"{_percent(worst['visible_fraction'])} of the left image's pixels that show the scene, "
-        f"against {_percent(coverage.max())} at best; rows under {_percent(WELL_COVERED)} of the best "
+        f"{percent(worst['visible_fraction'])} of the left image's pixels that show the scene, "
+        f"against {percent(coverage.max())} at best; rows under {percent(WELL_COVERED)} of the best "
         "coverage are not called best."
     ]
 
@@ -281,28 +183,8 @@ def _coverage(rows: pd.DataFrame, swept: tuple[str, ...]) -> list[str]:
 def _low_disparity(row: pd.Series) -> list[str]:
     if not row["low_disparity_fraction"] > 0:
         return []
+    share = percent(row["low_disparity_fraction"])
     return [
-        f"At the best rig {_percent(row['low_disparity_fraction'])} of the pixels that both cameras see have a "
-        "depth under 4 standard deviations of its noise; they are counted, but kept out of the RMS."
+        f"At the best rig {share} of the pixels that both cameras see have a depth under 4 standard "
+        "deviations of its noise; they are counted, but kept out of the RMS."
     ]
-
-
-def _say(axis: str, value: object) -> str:
-    words, unit = _AXIS_WORDS[axis]
-    if not unit:
-        return f"`{value}`"
-    space = "" if unit == "°" else " "
-    return f"{value:.4g}{space}{unit} of {words}"
-
-
-def _mm(value: float) -> str:
-    """Millimetres with three digits; metres from 1 m on."""
-    if abs(value) >= 1000:
-        return f"{value / 1000:.3g} m"
-    return f"{value:.3g} mm"
-
-
-def _percent(fraction: float) -> str:
-    """Whole percent; one digit more where that would hide something."""
-    percent = fraction * 100
-    return f"{percent:.0f} %" if percent >= 1 or percent == 0 else f"{percent:.1g} %"
