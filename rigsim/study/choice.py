@@ -15,7 +15,7 @@ _TIE_SIGMAS = 2.0  # standard errors of the difference under which two rows are 
 
 
 def rank(rows: pd.DataFrame, by_depth: pd.DataFrame) -> tuple[int, ...]:
-    """Places of the rows, best first: smallest depth error at the distances that all contenders answer.
+    """Places of the rows, best first: smallest depth error at the distances that all answer.
 
     What is flagged, and what covers too little, comes later; of rows that cannot be compared, the one that
     answers more comes first. Noise is a circumstance, not a choice: only rows of the middle noise level

@@ -58,14 +58,6 @@ class Comparison:
         return " and ".join(f"{near / 1e3:.3g} to {far / 1e3:.3g} m" for near, far in self.spans_mm)
 
 
-def contenders(rows: pd.DataFrame) -> Mask:
-    """Rows that may be called best: not flagged and well covered, or the least bad where there are none."""
-    known = rows["depth_rmse_mm"].notna().to_numpy()
-    classes = reservations(rows)
-    least = min(classes[known], default=0)
-    return np.asarray(known & (classes == least))
-
-
 def reservations(rows: pd.DataFrame) -> Array:
     """What speaks against each row: 0 nothing, 1 too little coverage, 2 a flag, 3 both."""
     known = rows["depth_rmse_mm"].notna()
@@ -80,14 +72,17 @@ def compare(rows: pd.DataFrame, by_depth: pd.DataFrame, among: Mask | None = Non
     A row answers a bin of depth when it has points there and no pixel under ``Z / sigma_Z`` of 4. Each bin's
     mean square error, brought to the same median depth by ``Z^4``, counts with the bin's share of the image,
     averaged over the rows. Where the distances that are shared hold less than half of what the row that
-    answers most does, the row that answers least is left out, and so on.
+    answers most does, the row that answers least is left out, and so on: first of those that something
+    speaks against.
 
     Args:
         rows: `SweepResult.rows`.
         by_depth: `SweepResult.by_depth`.
-        among: rows (N,) that decide on the distances; `contenders` when None.
+        among: rows (N,) that decide on the distances; all when None.
     """
-    among = contenders(rows) if among is None else among & rows["depth_rmse_mm"].notna().to_numpy()
+    known = rows["depth_rmse_mm"].notna().to_numpy()
+    among = known if among is None else among & known
+    against = reservations(rows)
     bins = _Bins.of(rows, by_depth)
     weight = np.nanmean(bins.share[among], axis=0) if among.any() else np.zeros(len(bins.edges_mm))
     chosen = np.flatnonzero(among)
@@ -96,9 +91,9 @@ def compare(rows: pd.DataFrame, by_depth: pd.DataFrame, among: Mask | None = Non
         held = bins.answered[chosen] @ weight
         if weight[shared].sum() >= _SHARED * held.max() and shared.any():
             break
-        chosen = np.delete(chosen, int(np.argmin(held)))
+        chosen = np.delete(chosen, np.lexsort((held, -against[chosen]))[0])
         shared = np.asarray(bins.answered[chosen].all(axis=0))
-    return _pooled(bins, shared, weight[shared], bins.answered @ weight)
+    return _pooled(bins, known, shared, weight[shared], bins.answered @ weight)
 
 
 def row_of_bins(rows: pd.DataFrame, by_depth: pd.DataFrame) -> Ids:
@@ -152,8 +147,8 @@ class _Bins:
         )
 
 
-def _pooled(bins: _Bins, shared: Mask, weight: Array, answered: Array) -> Comparison:
-    answers = bins.answered[:, shared].all(axis=1) & shared.any()
+def _pooled(bins: _Bins, known: Mask, shared: Mask, weight: Array, answered: Array) -> Comparison:
+    answers = known & bins.answered[:, shared].all(axis=1) & shared.any()
     # bins that no ray met weigh nothing beside others, and the same where there are no others
     weight = weight / weight.sum() if weight.sum() > 0 else np.full(len(weight), 1 / max(len(weight), 1))
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 _SQUARE = (1.9, 2.1)
-_MISFIT = 0.1
+_MISFIT = 0.25  # the edges of a bin are that far apart, squared half of it either way
 _FEWEST_BINS = 3
 
 
@@ -16,7 +16,7 @@ def growth_words(bins: pd.DataFrame) -> str:
     """How the error grows over the depth bins of one row, as a clause; empty where there is no error.
 
     ``log(RMS) = p log(Z) + c`` by least squares over the bins' median depths. "With the distance squared"
-    is said of an exponent within 0.1 of 2, and of any exponent only when no bin lies a tenth off the fit.
+    is said of an exponent within 0.1 of 2, and of any exponent only when no bin lies a quarter off the fit.
     """
     depth_mm, error_mm = (
         bins[name].to_numpy(dtype=np.float64) for name in ("depth_median_mm", "depth_rmse_mm")

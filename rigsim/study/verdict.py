@@ -79,6 +79,7 @@ def judge(
     bins = _bins(best, rows, by_depth)
     sentences = [
         *_far_end(bins),
+        *_averages(row),
         *choice(rows, compare(rows, by_depth), swept, order),
         *trend(rows, by_depth, swept, best),
         *_measured(row),
@@ -124,6 +125,17 @@ def _far_end(bins: pd.DataFrame) -> list[str]:
     return [
         f"At the far end, {_depths(last)}, the same rig gives {mm(last['depth_rmse_mm'])} RMS "
         f"(predicted {mm(last['predicted_depth_rmse_mm'])})" + (f": {growth}." if growth else ".")
+    ]
+
+
+def _averages(row: pd.Series) -> list[str]:
+    """Both averages over what the row answers: they differ where near things fill the image."""
+    pixels, balanced = row["depth_rmse_image_mm"], row["depth_rmse_mm"]
+    if not pixels > 0:
+        return []
+    return [
+        f"Over everything that it answers, its depth error is {mm(pixels)} RMS per pixel of the left image, "
+        f"and {mm(balanced)} over points balanced over depth, where far ones count as much as near ones."
     ]
 
 
