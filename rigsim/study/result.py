@@ -10,6 +10,7 @@ import pandas as pd
 from rigsim.measure.sensor import Sensor
 from rigsim.rig.arrays import Array, Image, Mask
 from rigsim.rig.noise import PixelNoise
+from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 
 Row: TypeAlias = dict[str, str | float | int]
@@ -138,5 +139,7 @@ class SweepResult:
     """The answer in words."""
     provenance: dict[str, object] = field(default_factory=dict)
     """Versions, renderer, seed, command: JSON values only."""
+    remarks: tuple[Remark, ...] = ()
+    """What is odd about the scene or the rigs' place in it, each said once."""
     complete: bool = True
     """False when the run was interrupted and holds only the rigs done until then."""

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 
 from rigsim.errors import InvalidRange, InvalidScene
+from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
 from rigsim.study import verdict as words
@@ -53,6 +55,7 @@ def sweep(
     rows: list[Row] = []
     by_depth: list[Row] = []
     done: list[StereoRig] = []
+    remarks: dict[str, Remark] = {}
     with Simulator(plan.scene, plan.mount, plan.renderer) as simulator:
         complete = True
         outcomes = run_all(todo, plan, jobs, simulator)
@@ -60,6 +63,7 @@ def sweep(
             for rig, outcome in zip(todo, outcomes, strict=True):
                 rows.extend(outcome.rows)
                 by_depth.extend(outcome.by_depth)
+                remarks = {remark.code: remark for remark in outcome.remarks} | remarks
                 done.append(rig)
                 if progress:
                     progress(len(done))
@@ -69,7 +73,8 @@ def sweep(
                 raise
             complete = False
         lens_note = rigs.lens_note if isinstance(rigs, RigGrid) else ""
-        return _conclude(rows, by_depth, done, plan, simulator, lens_note, complete)
+        result = _conclude(rows, by_depth, done, plan, simulator, lens_note, complete)
+        return replace(result, remarks=tuple(remarks.values()))
 
 
 def _conclude(
