@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from rigsim.errors import NothingSeen
 from rigsim.measure.sensor import Sensor
 from rigsim.rig.arrays import Ids
 from rigsim.rig.noise import PixelNoise
+from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.points import GroundTruth, depth_bins, depth_edges_m, image_weights
 from rigsim.sim.simulator import Simulator
@@ -38,6 +39,8 @@ class Outcome:
     """Rows of sweep_by_depth.csv."""
     beyond_fraction: float = 0.0
     """Share of the left image that shows surfaces beyond the far limit, which are left out."""
+    remarks: tuple[Remark, ...] = ()
+    """What is odd about the scene or the rig's place in it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,8 +77,10 @@ def run_rig(simulator: Simulator, rig: StereoRig, plan: Plan) -> Outcome:
     try:
         seen = look(simulator, rig, plan)
     except NothingSeen as error:
-        return _blind(simulator, rig, plan, str(error))
-    return all_rows(simulator, rig, plan, seen, measure_pictures(simulator, rig, plan, seen))
+        outcome = _blind(simulator, rig, plan, str(error))
+    else:
+        outcome = all_rows(simulator, rig, plan, seen, measure_pictures(simulator, rig, plan, seen))
+    return replace(outcome, remarks=simulator.remarks)
 
 
 def all_rows(

@@ -11,6 +11,7 @@ import pandas as pd
 from rigsim.measure.sensor import Sensor
 from rigsim.rig.arrays import Array, Image, Mask
 from rigsim.rig.noise import PixelNoise
+from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 
 Row: TypeAlias = dict[str, str | float | int]
@@ -145,5 +146,7 @@ class SweepResult:
     """Versions, renderer, seed, command: JSON values only."""
     far_limit_m: float = math.inf
     """Depth beyond which truth was left out because no rig reaches it, m; infinite where nothing was."""
+    remarks: tuple[Remark, ...] = ()
+    """What is odd about the scene or the rigs' place in it, each said once."""
     complete: bool = True
     """False when the run was interrupted and holds only the rigs done until then."""

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from rigsim.errors import InvalidRange, InvalidScene
+from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
 from rigsim.study import verdict as words
@@ -58,6 +59,7 @@ def sweep(
     rows: list[Row] = []
     by_depth: list[Row] = []
     done: list[StereoRig] = []
+    remarks: dict[str, Remark] = {}
     with Simulator(plan.scene, plan.mount, plan.renderer) as simulator:
         complete = True
         outcomes = run_all(todo, plan, jobs, simulator)
@@ -66,6 +68,7 @@ def sweep(
                 rows.extend(outcome.rows)
                 by_depth.extend(outcome.by_depth)
                 beyond_fraction = max(beyond_fraction, outcome.beyond_fraction)
+                remarks = {remark.code: remark for remark in outcome.remarks} | remarks
                 done.append(rig)
                 if progress:
                     progress(len(done))
@@ -75,7 +78,8 @@ def sweep(
                 raise
             complete = False
         lens_note = rigs.lens_note if isinstance(rigs, RigGrid) else ""
-        return _conclude(rows, by_depth, done, plan, simulator, lens_note, complete, beyond_fraction)
+        result = _conclude(rows, by_depth, done, plan, simulator, lens_note, complete, beyond_fraction)
+        return replace(result, remarks=tuple(remarks.values()))
 
 
 def _conclude(

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any
 
 from pydantic import Field
 
-from rigsim.interop.documents.base import Part, Provenance, Written
+from rigsim.interop.documents.base import Part, Provenance, RemarkPart, Written
 from rigsim.study.result import SweepResult
 
 
@@ -159,6 +160,8 @@ class SweepDocument(Part):
     """One for each configuration."""
     by_depth: list[DepthRow]
     """One for each configuration and bin of depth."""
+    remarks: list[RemarkPart]
+    """What is odd about the scene or the rigs' place in it; also on standard error."""
     provenance: SweepProvenance
     written: Written | None
     """The report; null without --out."""
@@ -184,6 +187,7 @@ def sweep_document(result: SweepResult, written: Written | None) -> dict[str, An
                 for row, limit in zip(result.rows.to_dict("records"), result.limits, strict=True)
             ],
             "by_depth": result.by_depth.to_dict("records"),
+            "remarks": [asdict(remark) for remark in result.remarks],
             "provenance": provenance,
             "written": written,
         }
