@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict
 from typing import Any
 
 from pydantic import Field
 
 from rigsim.interop.documents.base import Part, Provenance, RemarkPart, Written
+from rigsim.study.comparison import compare
 from rigsim.study.result import SweepResult
 
 
@@ -142,6 +144,26 @@ class Verdict(Part):
     """Whether no row was flagged."""
 
 
+class Span(Part):
+    """A stretch of depth."""
+
+    near_mm: float
+    """Nearest depth, mm."""
+    far_mm: float
+    """Farthest depth, mm."""
+
+
+class Compared(Part):
+    """The depth error of the rows at the same distances, per pixel of the left image: what `best` goes by."""
+
+    spans: list[Span]
+    """The distances, near to far: bins of depth that the rows answer together."""
+    depth_rmse_mm: list[float | None]
+    """Simulated RMS there, one for each row, mm; null for a row that does not answer them."""
+    predicted_depth_rmse_mm: list[float | None]
+    """The closed forms' answer for the same, mm."""
+
+
 class SweepDocument(Part):
     """Rigs swept through a scene: predicted, simulated and measured depth error side by side."""
 
@@ -154,6 +176,10 @@ class SweepDocument(Part):
     """Columns of the rows that were varied."""
     best: list[int]
     """Places in rows of the configurations to take, best first."""
+    compared: Compared | None
+    """What the order goes by; null when the rows have no distances in common."""
+    far_limit_mm: float | None
+    """Depth beyond which surfaces were left out because no rig reaches it, mm; null when none were."""
     lens_note: str | None
     """What stayed and what changed between resolutions; null when there was but one."""
     rows: list[OverallRow]
@@ -181,6 +207,8 @@ def sweep_document(result: SweepResult, written: Written | None) -> dict[str, An
             "complete": result.complete,
             "swept": list(result.swept),
             "best": list(result.best),
+            "compared": _compared(result),
+            "far_limit_mm": result.far_limit_m * 1e3 if math.isfinite(result.far_limit_m) else None,
             "lens_note": _said(result.lens_note) or None,
             "rows": [
                 {**row, "limited_by": limit}
@@ -193,6 +221,17 @@ def sweep_document(result: SweepResult, written: Written | None) -> dict[str, An
         }
     )
     return document.model_dump()
+
+
+def _compared(result: SweepResult) -> dict[str, Any] | None:
+    found = compare(result.rows, result.by_depth)
+    if not found.spans_mm:
+        return None
+    return {
+        "spans": [{"near_mm": near, "far_mm": far} for near, far in found.spans_mm],
+        "depth_rmse_mm": found.simulated_mm.tolist(),
+        "predicted_depth_rmse_mm": found.predicted_mm.tolist(),
+    }
 
 
 def _said(text: str) -> str:
