@@ -27,7 +27,7 @@ PAGE = (SCHEMAS.parent / "json.md").read_text(encoding="utf-8")
 
 UNITS = re.compile(r"_(mm|m|px|deg|um|e|pct|fraction|share)$")
 WITHOUT_UNIT = {
-    *("n", "n_matches", "n_tried", "n_truth", "n_points", "n_trials", "measured_n"),  # counts
+    *("n", "n_matches", "n_tried", "n_truth", "n_points", "n_visible", "n_trials", "measured_n"),  # counts
     *("count", "measured_count", "points", "trials", "rigs", "cameras_tried", "bits"),
     *("best", "board", "seed"),  # places and numbers that name something
     *("features", "pictures"),

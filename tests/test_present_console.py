@@ -12,6 +12,7 @@ from rich.console import Console
 from test_present_synthetic import make_result
 
 from rigsim.present.console import make_console, print_sweep, print_table
+from rigsim.present.same import at_same_distances
 from rigsim.study.result import SweepResult, Verdict
 
 WIDTH = 80
@@ -48,9 +49,9 @@ def test_the_best_rows_stand_beside_their_prediction() -> None:
     lines = printed(result).splitlines()
     head = next(i for i, line in enumerate(lines) if line.startswith("Best 5 of 10"))
     assert lines[head + 1].split() == ["baseline", "simulated", "predicted", "predicted/", "seen", "by"]
-    best = result.rows.iloc[result.best[0]]
+    best = at_same_distances(result).iloc[result.best[0]]
     cells = lines[head + 4].split()
-    assert cells[0] == "500"
+    assert cells[0] == f"{best['baseline_mm']:g}"
     assert float(cells[1]) == pytest.approx(best["depth_rmse_mm"], rel=6e-3)
     assert float(cells[2]) == pytest.approx(best["predicted_depth_rmse_mm"], rel=6e-3)
     assert float(cells[3]) == pytest.approx(best["predicted_over_simulated"], abs=6e-4)
@@ -87,7 +88,10 @@ def test_the_measured_columns_come_before_the_less_important_ones() -> None:
     cells = lines[head + 4].split()
     assert float(cells[4]) == pytest.approx(best["measured_depth_rmse_mm"], rel=6e-3)
     assert float(cells[5]) == pytest.approx(best["measured_over_predicted"], abs=6e-4)
-    assert "What was measured in the pictures (board corners) corresponds to --noise 0.0052." in lines
+    noise_px = best["measured_disparity_std_px"] / 2**0.5
+    assert (
+        f"What was measured in the pictures (board corners) corresponds to --noise {noise_px:.2g}." in lines
+    )
     narrow = printed(result, 50).splitlines()
     assert any("measured" in line for line in narrow)
     assert not any("limited by" in line for line in narrow)

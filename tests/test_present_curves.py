@@ -13,6 +13,7 @@ from rigsim.present import style
 from rigsim.present.axes import representative, slice_along, swept_axes
 from rigsim.present.curves import depth_error_figure, panel_figure, panels
 from rigsim.present.heatmap import heat_map_values
+from rigsim.present.same import at_same_distances
 from rigsim.study.result import SweepResult
 
 
@@ -29,7 +30,7 @@ def marks(axes: Axes) -> list[np.ndarray]:
 def test_the_marks_are_the_simulated_rows_and_the_curve_passes_the_predicted_ones() -> None:
     result = make_result(n_points=300)
     axes = figure_of(result, "axis-baseline-mm").axes[0]
-    rows = result.rows
+    rows = at_same_distances(result)
     (simulated,) = marks(axes)
     np.testing.assert_allclose(simulated, rows[["baseline_mm", "depth_rmse_mm"]].to_numpy())
     curve = np.asarray(axes.lines[0].get_xydata())
@@ -39,9 +40,11 @@ def test_the_marks_are_the_simulated_rows_and_the_curve_passes_the_predicted_one
 
 def test_between_the_rigs_the_curve_follows_a_power_law() -> None:
     result = make_result(baselines_mm=(100, 400), n_points=50)
-    rows = result.rows.copy()
-    rows["predicted_depth_rmse_mm"] = [40.0, 10.0]  # 4000 / B
-    axes = figure_of(make_result(baselines_mm=(100, 400), n_points=50, rows=rows), "axis-baseline-mm").axes[0]
+    bins = result.by_depth.copy()
+    bins["predicted_depth_rmse_mm"] = 4000 / bins["baseline_mm"]
+    bins["depth_median_mm"] = bins["depth_near_mm"]  # the same depth within a bin
+    same = make_result(baselines_mm=(100, 400), n_points=50, by_depth=bins)
+    axes = figure_of(same, "axis-baseline-mm").axes[0]
     curve = np.asarray(axes.lines[0].get_xydata())
     np.testing.assert_allclose(curve[:, 1], 4000 / curve[:, 0], rtol=1e-9)
 
@@ -50,7 +53,7 @@ def test_the_strip_shows_predicted_over_simulated() -> None:
     result = make_result(n_points=300, flagged=(3,))
     strip = figure_of(result, "axis-baseline-mm").axes[1]
     (ratios,) = marks(strip)
-    np.testing.assert_allclose(ratios[:, 1], result.rows["predicted_over_simulated"], rtol=1e-9)
+    np.testing.assert_allclose(ratios[:, 1], at_same_distances(result)["predicted_over_simulated"], rtol=1e-9)
     low, high = strip.get_ylim()
     assert low < ratios[:, 1].min()
     assert high > ratios[:, 1].max()
@@ -69,7 +72,7 @@ def test_one_line_a_value_of_the_other_axis_and_at_most_six() -> None:
     against_noise = figure_of(result, "axis-noise-px")
     assert len(marks(against_noise.axes[0])) == 6
     (panel,) = [panel for panel in panels(result) if panel.name == "axis-noise-px"]
-    assert panel.note == "6 of 10 values of baseline shown"
+    assert panel.note == "at 0.889 to 5 m, per pixel; 6 of 10 values of baseline shown"
 
 
 def test_further_axes_are_held_at_the_best_row_and_said_so() -> None:
@@ -135,7 +138,7 @@ def test_the_heat_map_puts_each_row_in_its_cell() -> None:
     across, up = swept_axes(result)
     values, flagged = heat_map_values(result, across, up)
     assert values.shape == (2, 3)
-    for _, row in result.rows.iterrows():
+    for _, row in at_same_distances(result).iterrows():
         i, j = up.values.index(row["noise_px"]), across.values.index(row["baseline_mm"])
         assert values[i, j] == row["depth_rmse_mm"]
         assert flagged[i, j] == (row["agreement"] != "agrees")
@@ -167,8 +170,10 @@ def test_rows_without_numbers_or_without_error_do_not_stop_the_drawing() -> None
     rows.loc[1, numbers] = np.nan
     broken = make_result((100, 200, 300), n_points=60, rows=rows)
     assert len(marks(figure_of(broken, "axis-baseline-mm").axes[0])[0]) == 2
-    rows[["depth_rmse_mm", "depth_rmse_ci_low_mm", "depth_rmse_ci_high_mm"]] = 1e-12
-    exact = make_result((100, 200, 300), n_points=60, rows=rows)
+    bins = result.by_depth.copy()
+    for table in (rows, bins):
+        table[["depth_rmse_mm", "depth_rmse_ci_low_mm", "depth_rmse_ci_high_mm"]] = 1e-12
+    exact = make_result((100, 200, 300), n_points=60, rows=rows, by_depth=bins)
     axes = figure_of(exact, "axis-baseline-mm").axes[0]
     assert "no depth error to draw" in [text.get_text() for text in axes.texts]
 

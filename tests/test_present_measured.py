@@ -15,6 +15,7 @@ from test_present_synthetic import make_result
 from rigsim.present import measured as words
 from rigsim.present import style
 from rigsim.present.curves import depth_error_figure, panel_figure, panels
+from rigsim.present.same import at_same_distances
 from rigsim.study.result import SweepResult
 
 
@@ -171,10 +172,10 @@ def test_when_all_ratios_are_far_from_one_the_strip_reaches_them(result):
 
 
 def test_the_simulations_strip_marks_what_lies_beyond_it_too():
-    rows = make_result(n_points=100).rows.copy()
+    bins = make_result(n_points=100).by_depth.copy()
     names = ["depth_rmse_mm", "depth_rmse_ci_low_mm", "depth_rmse_ci_high_mm"]
-    rows.loc[2, names] /= 30
-    strip = figure_of(make_result(n_points=100, rows=rows), "axis-baseline-mm").axes[1]
+    bins.loc[bins["baseline_mm"] == 150, names] /= 30
+    strip = figure_of(make_result(n_points=100, by_depth=bins), "axis-baseline-mm").axes[1]
     assert arrows(strip) == [(150.0, "^")]
 
 
@@ -184,7 +185,7 @@ def test_the_ring_is_around_the_witness_that_is_flagged():
     circles = [mark for mark in axes.collections if isinstance(mark, PathCollection)]
     rings = [at(mark) for mark in circles if np.allclose(mark.get_sizes(), 120)]
     places = np.concatenate([ring for ring in rings if len(ring)])
-    rows = result.rows
+    rows = at_same_distances(result)
     np.testing.assert_allclose(
         places, [(100, rows["depth_rmse_mm"][0]), (300, rows["measured_depth_rmse_mm"][2])]
     )

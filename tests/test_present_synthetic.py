@@ -14,6 +14,7 @@ from rigsim.rig.arrays import Array, Image
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.choice import rank
 from rigsim.study.result import (
     DEPTH_COLUMNS,
     MEASURED_COLUMNS,
@@ -129,7 +130,8 @@ def make_result(
                     | third.columns(inside)
                 )
     frame = pd.DataFrame(rows, columns=list(ROW_COLUMNS))
-    best = tuple(int(i) for i in np.argsort(frame["depth_rmse_mm"].to_numpy())[:5])
+    bins = pd.DataFrame(by_depth, columns=list(DEPTH_COLUMNS))
+    best = rank(frame, bins)[:5]
     show = frame.iloc[best[0]]
     width, height = int(show["width_px"]), int(show["height_px"])
     rig = StereoRig.verged(
@@ -150,7 +152,7 @@ def make_result(
     }
     values: dict[str, Any] = {
         "rows": frame,
-        "by_depth": pd.DataFrame(by_depth, columns=list(DEPTH_COLUMNS)),
+        "by_depth": bins,
         "swept": tuple(name for name, values in swept.items() if len(values) > 1),
         "best": best,
         "limits": tuple("overlap" if row["visible_fraction"] < 0.7 else "noise" for row in rows),
@@ -238,6 +240,8 @@ def _statistics(
     median = float(np.median(points[used, 2])) * 1e3
     return {
         "n_points": int(used.sum()),
+        "n_visible": int(used.sum()),
+        "scene_fraction": float(used.mean()),
         "n_trials": n_trials,
         "visible_fraction": fractions[0],
         "overlap_fraction": fractions[1],
@@ -255,6 +259,8 @@ def _statistics(
         "predicted_depth_rmse_mm": predicted,
         "predicted_over_simulated": predicted / rmse,
         "nees": 3.0 * (rmse / predicted) ** 2,
+        "depth_rmse_image_mm": rmse,
+        "predicted_depth_rmse_image_mm": predicted,
         "agreement": agreement,
     }
 

@@ -158,7 +158,7 @@ def test_depth_rows_hold_their_own_points(scene: str):
         by_depth["depth_median_mm"] <= by_depth["depth_far_mm"]
     )
     assert inside.all()
-    weight = by_depth["n_points"] * by_depth["visible_fraction"]
+    weight = by_depth["n_visible"]
     pooled = np.sqrt((by_depth["depth_rmse_mm"] ** 2 * weight).sum() / weight.sum())
     assert pooled == pytest.approx(result.rows["depth_rmse_mm"][0], rel=1e-9)
 

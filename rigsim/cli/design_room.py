@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from rigsim.cli.answer import print_remarks
 from rigsim.cli.sensors import sensor_from, sensor_labels
 
 if TYPE_CHECKING:
@@ -114,7 +115,10 @@ def try_out(
         return Fitting(*fits[camera.sensor])
 
     with Room(plan, fit, surfaces=measures_noise and plan.measure == "auto") as room:
-        if measures_noise:
-            return settle_and_prove(specification, cameras, preference, room)
-        found = solve(specification, cameras, preference)
-        return found, prove(found, room)
+        try:
+            if measures_noise:
+                return settle_and_prove(specification, cameras, preference, room)
+            found = solve(specification, cameras, preference)
+            return found, prove(found, room)
+        finally:
+            print_remarks(room.remarks)

@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from rigsim.cli import quantity
-from rigsim.cli.answer import print_document, quiet
+from rigsim.cli.answer import print_document, print_remarks, quiet
 from rigsim.cli.options import Json, single_rig, takes_rig
 from rigsim.cli.rigs import RigOptions
 from rigsim.cli.sensors import Blur, FullWell, ImageNoise, ReadNoise, SensorName, sensor_from
@@ -123,11 +123,13 @@ def dataset(
         provenance = simulator_provenance(simulator)
         manifest = {**views, "sensor": asdict(camera), **provenance, "command": _command()}
         names = write_dataset(out, format, one, made, count=frames, manifest=manifest, force=force)
+    print_remarks(simulator.remarks)
     if as_json:
         from rigsim.interop.documents.base import Written
         from rigsim.interop.documents.export import export_dataset_document
 
         said = {"frames": frames, **views, "provenance": provenance}
+        said["remarks"] = [asdict(remark) for remark in simulator.remarks]
         written = Written(folder=str(out), files=names)
         print_document(export_dataset_document(_command(), format, one, said, written))
         return

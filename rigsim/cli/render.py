@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from rigsim.cli.answer import print_document, quiet
+from rigsim.cli.answer import print_document, print_remarks, quiet
 from rigsim.cli.options import Json
 from rigsim.cli.rigs import RigOptions
 
@@ -52,6 +52,7 @@ def render(
         snapshot = take_snapshot(one, scene, mount, renderer, {"command": command})
         files = {**present.render_files(snapshot), **render_files(snapshot)}
     folder.write_folder(out, files, force)
+    print_remarks(snapshot.remarks)
     if as_json:
         from rigsim.interop.documents.base import Written
         from rigsim.interop.documents.render import render_document

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rigsim.cli import quantity
-from rigsim.cli.answer import print_document, quiet
+from rigsim.cli.answer import print_document, print_remarks, quiet
 from rigsim.cli.progress import shown
 from rigsim.cli.rigs import RigOptions
 from rigsim.cli.sensors import Blur, FullWell, ReadNoise, SensorName, sensor_labels, sensor_of, sensors_from
@@ -166,6 +166,7 @@ def _deliver(result: SweepResult, target: Path | None, force: bool, as_json: boo
     from rigsim.interop import folder
     from rigsim.interop.tables import sweep_files
 
+    print_remarks(result.remarks)
     files: dict[str, bytes] = {}
     if target is not None:
         files = {**present.sweep_files(result), **sweep_files(result)}

@@ -96,6 +96,7 @@ def print_sweep(result: SweepResult, folder: Path | None = None, *, console: Con
     """
     from rigsim.present.axes import swept_axes
     from rigsim.present.measured import equivalent_noise_words
+    from rigsim.present.same import at_same_distances, same_words
 
     console = console or make_console()
     axes = swept_axes(result)
@@ -106,7 +107,8 @@ def print_sweep(result: SweepResult, folder: Path | None = None, *, console: Con
         paragraph(console, sentence, "  ")
     console.print()
 
-    best = rows.iloc[places]
+    same = same_words(result)
+    best = (at_same_distances(result) if same else rows).iloc[places]
     varied = [axis for axis in axes if best[axis.column].nunique() > 1] or axes[:1]
     shared = [axis for axis in axes if axis not in varied]
     title = f"Best {len(places)} of {count(len(rows))}" if len(rows) > len(places) else "Result"
@@ -114,7 +116,7 @@ def print_sweep(result: SweepResult, folder: Path | None = None, *, console: Con
         title += ", with " + ", ".join(
             f"{axis.heading} {axis.say(best.iloc[0][axis.column])}" for axis in shared
         )
-    columns = _fitting(_sweep_columns(result, varied, places), console.width)
+    columns = _fitting(_sweep_columns(result, best, varied, places), console.width)
     paragraph(console, title, style="bold")
     print_table(
         "",
@@ -123,6 +125,10 @@ def print_sweep(result: SweepResult, folder: Path | None = None, *, console: Con
         numeric=[column.numeric for column in columns],
         console=console,
     )
+    if same:
+        words = f"Simulated and predicted: {same} of the left image, the same for all rows."
+        paragraph(console, words if len(rows) > 1 else f"Simulated and predicted: {same} of the left image.")
+        console.print()
     noise = equivalent_noise_words(rows.iloc[places[0]])
     if noise and not any("--noise" in sentence for sentence in result.verdict.sentences):
         paragraph(console, noise)
@@ -159,8 +165,9 @@ class _Column:
     importance: int
 
 
-def _sweep_columns(result: SweepResult, axes: list[Axis], places: list[int]) -> list[_Column]:
-    best = result.rows.iloc[places]
+def _sweep_columns(
+    result: SweepResult, best: pd.DataFrame, axes: list[Axis], places: list[int]
+) -> list[_Column]:
     columns = [
         _Column(
             f"{axis.heading}\n{axis.unit}".rstrip(), tuple(map(axis.show, best[axis.column])), axis.numeric, 9

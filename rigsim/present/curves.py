@@ -13,6 +13,7 @@ from rigsim.present.axes import Axis, best_row, held_words, slice_along, swept_a
 from rigsim.present.chart import DEPTH, PANEL_WIDTH, RATIO_BOTTOM, SIDE, draw_chart, panel_height
 from rigsim.present.heatmap import draw_heat_map, heat_map_axes
 from rigsim.present.measured import was_measured
+from rigsim.present.same import at_same_distances, same_words
 from rigsim.study.result import SweepResult
 
 HEAT_HEIGHT = 4.35
@@ -37,12 +38,12 @@ class Panel:
 
 def panels(result: SweepResult) -> list[Panel]:
     """The plots that suit a sweep: one an axis, one against depth, a heat map for two numeric axes."""
-    axes = swept_axes(result)
+    axes, same = swept_axes(result), same_words(result)
     found = [
         Panel(
             f"axis-{axis.column.replace('_', '-')}",
             f"Depth error against {axis.heading}",
-            _joined(slice_along(result, axis, axes).note, _noise_note(result, axis)),
+            _joined(same, slice_along(result, axis, axes).note, _noise_note(result, axis)),
             "axis",
             (axis,),
         )
@@ -55,7 +56,7 @@ def panels(result: SweepResult) -> list[Panel]:
     if pair is not None:
         held = [axis for axis in axes if axis not in pair]
         best = best_row(result)
-        note = "; ".join(held_words(axis, best[axis.column]) for axis in held)
+        note = _joined(same, *(held_words(axis, best[axis.column]) for axis in held))
         title = f"Depth error against {pair[0].heading} and {pair[1].heading}"
         found.append(Panel("heat", title, note, "heat", pair))
     return found
@@ -113,7 +114,7 @@ def _draw_panel(figure: Figure, result: SweepResult, panel: Panel, x: float, y: 
 
 
 def _table(result: SweepResult, panel: Panel) -> pd.DataFrame:
-    return result.by_depth if panel.kind == "depth" else result.rows
+    return result.by_depth if panel.kind == "depth" else at_same_distances(result)
 
 
 def _height(result: SweepResult, panel: Panel) -> float:

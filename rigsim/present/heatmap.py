@@ -13,6 +13,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLoca
 from rigsim.present import style
 from rigsim.present.axes import Axis, best_row, swept_axes
 from rigsim.present.format import number, plain
+from rigsim.present.same import at_same_distances
 from rigsim.rig.arrays import Array
 from rigsim.study.result import SweepResult
 
@@ -27,11 +28,12 @@ def heat_map_axes(axes: list[Axis]) -> tuple[Axis, Axis] | None:
 
 
 def heat_map_values(result: SweepResult, across: Axis, up: Axis) -> tuple[Array, Array]:
-    """Depth error RMS (rows of `up`, columns of `across`) in mm, NaN where no rig is, and 1 where flagged.
+    """Depth error RMS (rows of `up`, columns of `across`) in mm, and 1 where flagged.
 
-    Further axes are held at the best row's value.
+    It is taken at the same distances; NaN where no rig is, or none that answers them. Further axes are held
+    at the best row's value.
     """
-    rows = result.rows
+    rows = at_same_distances(result)
     best = best_row(result)
     for axis in swept_axes(result):
         if axis.column not in (across.column, up.column):

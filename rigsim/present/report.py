@@ -17,8 +17,11 @@ from rigsim.present.format import count, length
 from rigsim.present.measured import equivalent_noise_words, method_words, was_measured
 from rigsim.present.pictures import encode
 from rigsim.present.rig_table import rig_table
+from rigsim.present.same import same_words
 from rigsim.present.topdown import topdown_figure
 from rigsim.present.witness_table import witness_table
+from rigsim.study.comparison import row_of_bins
+from rigsim.study.growth import growth_words
 from rigsim.study.result import SweepResult
 
 _PICTURE_WIDTH = 1100
@@ -80,6 +83,8 @@ def report_html(result: SweepResult, plan: Figure | None = None) -> str:
         heat_figures=[figure for figure in figures if figure["kind"] == "heat"],
         by_depth=tables.best_by_depth(result),
         rows=tables.all_rows(result),
+        same=same_words(result),
+        growth=_growth_words(result),
         n_flagged=int((result.rows["agreement"] != "agrees").sum()),
         measured=was_measured(result.rows),
         method=method_words(best),
@@ -104,6 +109,13 @@ def _rig_words(result: SweepResult, axes: list[Axis]) -> str:
     row = result.rows.iloc[result.showcase.row]
     where = ", ".join(f"{axis.heading} {axis.say(row[axis.column])}" for axis in axes)
     return f"The best of {count(len(result.rows))} configurations: {where}."
+
+
+def _growth_words(result: SweepResult) -> str:
+    """How the error of the rig on show grows with depth, as a sentence; empty where there is none."""
+    bins = result.by_depth[row_of_bins(result.rows, result.by_depth) == result.showcase.row]
+    words = growth_words(bins)
+    return f"The error of the rig on show: {words}." if words else ""
 
 
 def _plan_words(result: SweepResult) -> str:

@@ -10,11 +10,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from rigsim.present.axes import best_row, swept_axes
+from rigsim.present.axes import swept_axes
 from rigsim.present.columns import COLUMNS, Column
 from rigsim.present.format import count, number
 from rigsim.present.measured import was_measured
-from rigsim.study.result import AXES, SweepResult
+from rigsim.present.same import comparison_of
+from rigsim.study.comparison import row_of_bins
+from rigsim.study.result import SweepResult
 
 MOST_ROWS = 200
 """Rows of the table of all rows; of more, the best ones are shown."""
@@ -82,7 +84,7 @@ def all_rows(result: SweepResult) -> Table:
         chosen = set(ranked)
         rest = [
             int(i)
-            for i in np.argsort(rows["depth_rmse_mm"].to_numpy(), kind="stable")
+            for i in np.argsort(comparison_of(result).simulated_mm, kind="stable")
             if int(i) not in chosen
         ]
         places = (ranked + rest)[:MOST_ROWS]
@@ -94,18 +96,17 @@ def all_rows(result: SweepResult) -> Table:
     ]
     shown += _error_columns(rows)
     best = result.best[0] if result.best else -1
+    same = _Shown("at the same distances", "mm", "same", number)
     limits = _Shown("limited by", "", "limits", str, False)
-    table = rows.assign(limits=list(result.limits)).iloc[places]
-    columns = (*shown, limits, _of(COLUMNS["agreement"]))
+    table = rows.assign(limits=list(result.limits), same=comparison_of(result).simulated_mm).iloc[places]
+    columns = (*shown, same, limits, _of(COLUMNS["agreement"]))
     return _table(columns, table, [place == best for place in places], note)
 
 
 def best_by_depth(result: SweepResult) -> Table:
     """The best configuration, one row a bin of depth."""
-    table = result.by_depth
-    best = best_row(result)
-    for name in ("scene", *AXES):
-        table = table[table[name] == best[name]]
+    place = result.best[0] if result.best else result.showcase.row
+    table = result.by_depth[row_of_bins(result.rows, result.by_depth) == place]
     names = ("depth_near_mm", "depth_far_mm", "n_points")
     columns = (*(_of(COLUMNS[name]) for name in names), *_error_columns(table), _of(COLUMNS["agreement"]))
     return _table(columns, table, [False] * len(table))

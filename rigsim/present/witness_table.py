@@ -17,7 +17,7 @@ def witness_table(result: SweepResult) -> Table:
     """What each witness of the rig on show stands for, its error, its ratio and whether it agrees."""
     row: Mapping[Any, Any] = result.rows.iloc[result.showcase.row]
     noise = f"{plain(row['noise_px'])} px, given"
-    seen = count(round(row["n_points"] * row["visible_fraction"]))
+    seen = count(row["n_visible"])
     simulated_flagged, measured_flagged = blamed(row["agreement"])
     said = {False: "✓ agrees", True: "⚠ " + row["agreement"]}
     found = row["measured_n"] > 0

@@ -16,6 +16,26 @@ Counts: TypeAlias = npt.NDArray[np.int64]
 _R10 = (1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.3, 8.0)
 
 
+# Roberts' R2: the plane's counterpart of the golden ratio
+_PLASTIC = np.array([0.7548776662466927, 0.5698402909980532])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Coverage:
+    """What rays spread evenly over the left image meet; one row a ray that meets something in the range."""
+
+    n_rays: int
+    """Rays cast: those that meet nothing, or something out of the range, are among them."""
+    beyond: int
+    """Rays that meet the scene beyond the far limit."""
+    depth_m: Array
+    """Depth of what the ray meets, (M,), m."""
+    visible_right: Mask
+    """Whether the right camera sees it too, (M,)."""
+    in_right_image: Mask
+    """Whether it is within the right camera's field of view, hidden or not, (M,)."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class GroundTruth:
     """Points with exact coordinates; one row a point."""
@@ -30,6 +50,8 @@ class GroundTruth:
     """Within the right camera's field of view, hidden or not, (N,)."""
     geom_ids: Ids
     """MuJoCo geom the point lies on, (N,)."""
+    coverage: Coverage
+    """Evenly spread over the left image, where the points are balanced over depth."""
 
     @property
     def visible(self) -> Mask:
@@ -47,6 +69,36 @@ def depth_edges_m(near_m: float, far_m: float) -> Array:
     start = max(int(np.searchsorted(series, near_m, side="right")) - 1, 0)
     stop = max(int(np.searchsorted(series, far_m, side="left")), start + 1)
     return series[start : stop + 1]
+
+
+def depth_bins(depth_m: Array, edges_m: Array) -> Ids:
+    """Bin (N,) of each depth; what lies outside the edges counts to the first or the last bin."""
+    return np.searchsorted(edges_m[1:-1], depth_m, side="right").astype(np.int32)
+
+
+def image_weights(bins: Ids, bins_of_rays: Ids, n_bins: int) -> Array:
+    """Weights (N,) with sum 1 that turn an average over points into one over the pixels of the image.
+
+    Within a bin the points are spread over the image as the scene is; from bin to bin they are not.
+
+    Args:
+        bins: depth bin of each point, (N,).
+        bins_of_rays: the same for rays spread evenly over the image.
+        n_bins: number of bins.
+    """
+    points, rays = (np.bincount(each, minlength=n_bins) for each in (bins, bins_of_rays))
+    # a bin that no ray meets covers less than one ray's share
+    weights = np.maximum(rays, 0.5)[bins] / points[bins]
+    return np.asarray(weights / weights.sum())
+
+
+def spread_over(width: int, height: int, n: int) -> Array:
+    """Pixel positions (n, 2) that cover an image evenly, always the same ones.
+
+    Martin Roberts' R2 sequence: no rows or columns that could beat with those of the scene.
+    """
+    steps = 0.5 + np.arange(1, n + 1)[:, None] * _PLASTIC
+    return np.asarray(steps % 1.0 * (width, height) - 0.5)
 
 
 def balanced(depth_m: Array, n_points: int) -> Ids:

@@ -79,6 +79,7 @@ class RayRenderer:
     """Pictures by rays: exact depth and segmentation, plain shading, no GL."""
 
     name = "rays"
+    backs = True
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene

@@ -16,14 +16,17 @@ from rigsim.errors import InvalidScene
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.pose import Pose
+from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
-from rigsim.sim import library
+from rigsim.sim import around, elements, library
 from rigsim.sim.axes import CV_FROM_GL, REP103_FROM_RIG, principal_offset
 from rigsim.sim.textures import apply_textures
 
 SIDES: tuple[str, str] = ("left", "right")
 
-_NEAR_M = 0.005
+NEAR_M = 0.005
+"""Where pictures begin, from the camera along its axis."""
+
 _MIN_FAR_M = 100.0
 _TESSELLATION = 256
 _SHADOW_PX = 2048
@@ -50,8 +53,18 @@ class Scene:
     """The mount: the rig's frame (middle of the baseline, OpenCV axes) in the world's."""
     boards: dict[str, dict[str, float]]
     """Checker boards by geom name: rows, cols (inner corners), square_mm."""
+    remarks: tuple[Remark, ...]
+    """What of the file is not in the pictures."""
+    sky: str
+    """Name of a skybox whose texture shows; empty where there is none."""
     rig: StereoRig | None = None
     """The rig that was placed last."""
+    around: tuple[int, ...] = ()
+    """Geoms left out for the placed rig: solids that one of its cameras sits in, planes that one is behind."""
+    placements: int = 0
+    """How often a rig was placed."""
+    own_groups: Any = None
+    """Geom groups, (ngeom,), with nothing left out for a rig."""
 
     @property
     def camera_ids(self) -> tuple[int, int]:
@@ -95,6 +108,25 @@ class Scene:
         mujoco.mj_kinematics(self.model, self.data)
         mujoco.mj_camlight(self.model, self.data)
         self.rig = rig
+        self.placements += 1
+        self._leave_out()
+
+    def _leave_out(self) -> None:
+        """Hide what surrounds a camera from pictures and rays, and show again what surrounded an earlier rig's."""
+        self.model.geom_group[:] = self.own_groups
+        visible = around.shown(self.model, self.geom_groups)
+        found = []
+        for side in (0, 1):
+            world_from_camera = self.world_from_camera(side)
+            found += [
+                around.solids_around(
+                    self.model, self.data, world_from_camera.t, world_from_camera.R[:, 2], visible
+                ),
+                around.planes_behind(self.model, self.data, world_from_camera.t, visible),
+            ]
+        hidden = np.unique(np.concatenate(found))
+        around.hide(self.model, hidden)
+        self.around = tuple(int(geom) for geom in hidden)
 
     def set_lens(self, side: int, lens: Intrinsics) -> None:
         """Give the left (0) or right (1) camera the pinhole that is to be drawn with."""
@@ -157,9 +189,22 @@ def load_scene(scene: str, mount: str | None = None) -> Scene:
     mujoco.mj_fwdPosition(model, data)
     kind, name = _choose_mount(model, mount, path)
     world_from_rig = _world_from_mount(model, data, kind, name)
-    _set_render_limits(model, data, world_from_rig.t)
     label = path.parent.name if path.name == "scene.xml" else path.stem
-    return Scene(label, path, f"{kind}:{name}", model, data, world_from_rig, boards)
+    remarks = elements.left_out(model, label)
+    _set_render_limits(model, data, world_from_rig.t)
+    around.hide(model, around.never_drawn(model, data))
+    return Scene(
+        label,
+        path,
+        f"{kind}:{name}",
+        model,
+        data,
+        world_from_rig,
+        boards,
+        remarks,
+        elements.textured_sky(model),
+        own_groups=model.geom_group.copy(),
+    )
 
 
 def _read(path: Path) -> Any:
@@ -225,7 +270,7 @@ def _set_render_limits(model: Any, data: Any, mount_world: Array) -> None:
         (np.linalg.norm(data.geom_xpos - mount_world, axis=1) + _radius(model)).max(initial=_MIN_FAR_M)
     )
     model.stat.extent = 1.0
-    model.vis.map.znear = _NEAR_M
+    model.vis.map.znear = NEAR_M
     model.vis.map.zfar = 2 * reach
     # these three are multiples of the extent: keep their lengths in metres
     model.vis.map.fogstart *= old_extent

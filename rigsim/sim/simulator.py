@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from types import TracebackType
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from rigsim.errors import InvalidRig
+from rigsim.errors import InvalidRig, RenderMismatch
 from rigsim.rig.arrays import Array, Ids, Light, Mask
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.pose import Pose
+from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim import backend
 from rigsim.sim.frame import StereoFrame, View
@@ -29,6 +31,8 @@ class Renderer(Protocol):
     """What draws pictures of the placed rig."""
 
     name: str
+    backs: bool
+    """Whether surfaces are drawn from behind as well."""
 
     def light(self, side: int, lens: Intrinsics, supersample: int) -> Light:
         """Linear light (H, W, 3) on the left (0) or right (1) camera through `lens`."""
@@ -65,6 +69,8 @@ class Simulator:
         self.scene: Scene = load_scene(scene, mount)
         self._renderer: Renderer | None = None
         self._size = (0, 0)
+        self._remarks: dict[str, Remark] = {}
+        self._looked_at = 0
 
     def __enter__(self) -> Simulator:
         return self
@@ -102,7 +108,7 @@ class Simulator:
             RenderUnavailable: the pictures are too large.
         """
         from rigsim.sim import rays
-        from rigsim.sim.render import buffer_size, check_depth, check_size
+        from rigsim.sim.render import buffer_size, check_size
 
         rig = self._placed()
         own = (rig.left, rig.right)
@@ -113,24 +119,59 @@ class Simulator:
         for lens in drawn:
             check_size(lens, supersample)
         renderer = self._ready([buffer_size(lens, supersample) for lens in (*drawn, *own)])
+        self._looked()
+        if distorted or self.backend == "rays":
+            truths = [rays.depth_picture(self.scene, side) for side in (0, 1)]
+        else:
+            truths = self._drawn_depth(renderer)
         views = []
-        for side in (0, 1):
-            light = renderer.light(side, drawn[side], supersample)
-            if distorted or self.backend == "rays":
-                views.append(View(light, *rays.depth_picture(self.scene, side)))
-                continue
-            depth, segmentation = renderer.depth_and_segmentation(side)
-            check_depth(self.scene, side, depth, segmentation)
-            views.append(View(light, depth, segmentation))
+        for side, (depth, segmentation) in enumerate(truths):
+            views.append(View(renderer.light(side, drawn[side], supersample), depth, segmentation))
         return StereoFrame(*views)
 
+    def _drawn_depth(self, renderer: Renderer) -> list[tuple[Array, Ids]]:
+        """Depth and geom ids of both pictures, drawn so that they are what rays hit.
+
+        MuJoCo leaves out the backs of surfaces, which rays hit: they are drawn where a scene shows any.
+        """
+        from rigsim.sim.render import check_depth
+
+        first: RenderMismatch | None = None
+        for backs in (False, True):
+            renderer.backs = backs
+            pictures = [renderer.depth_and_segmentation(side) for side in (0, 1)]
+            try:
+                for side, picture in enumerate(pictures):
+                    check_depth(self.scene, side, *picture)
+            except RenderMismatch as mismatch:
+                first = first or mismatch
+            else:
+                return pictures
+        assert first is not None
+        raise first
+
+    def _looked(self) -> None:
+        """Look at what the placed rig has before it, once: note what is odd, and refuse a camera in a surface."""
+        from rigsim.sim.outlook import look_around
+
+        self._placed()
+        if self._looked_at != self.scene.placements:
+            for remark in look_around(self.scene):
+                self._remarks.setdefault(remark.code, remark)
+            self._looked_at = self.scene.placements
+
     def truth(
-        self, n_points: int, rng: np.random.Generator, range_m: tuple[float, float] | None = None
+        self,
+        n_points: int,
+        rng: np.random.Generator,
+        range_m: tuple[float, float] | None = None,
+        far_limit_m: float = math.inf,
     ) -> GroundTruth:
         """Ground-truth points for the placed rig; see `rigsim.sim.truth.sample_truth`."""
         from rigsim.sim.truth import sample_truth
 
-        return sample_truth(self.scene, n_points, rng, range_m)
+        self._looked()
+        return sample_truth(self.scene, n_points, rng, range_m, far_limit_m)
 
     def true_corners(self) -> TrueCorners:
         """Corners of the scene's checker boards; see `rigsim.sim.boards`."""
@@ -153,6 +194,19 @@ class Simulator:
         from rigsim.sim.disparity import true_disparity
 
         return true_disparity(self.scene, frame.left)
+
+    def on_sky(self, points_left: Array) -> Mask:
+        """Which of the points (N, 3) that `points_at` gave are of a textured skybox, (N,).
+
+        It is at infinity: features can be found on it, but it has no depth to hold them to.
+        """
+        nothing = np.isnan(points_left[:, 2])
+        return nothing if self.scene.sky else np.zeros_like(nothing)
+
+    @property
+    def remarks(self) -> tuple[Remark, ...]:
+        """What a person should know of the scene and of the rigs that looked at it, each said once."""
+        return (*self.scene.remarks, *self._remarks.values())
 
     @property
     def gl_renderer(self) -> str:

@@ -122,7 +122,12 @@ def render_frames(
                 seen >= _LEAST_SHARE * share and near >= max(nearest_m, _LEAST_SHARE * nearest)
             ):
                 continue
-            frame = _frame(simulator, rig, index, sensor, rng)
+            try:
+                frame = _frame(simulator, rig, index, sensor, rng)
+            except NothingSeen:
+                if index == 0:
+                    raise
+                continue  # a camera went into a surface
             if index == 0 or not (frame.depth_left < nearest_m).any():
                 break
         else:

@@ -17,6 +17,7 @@ import numpy as np
 from rigsim.errors import InvalidRig, NothingSeen
 from rigsim.measure.sensor import Sensor
 from rigsim.rig.noise import PixelNoise
+from rigsim.rig.remark import Remark
 from rigsim.sim.simulator import Simulator
 from rigsim.study import design_words as words
 from rigsim.study.design import Candidate, Design, Specification, solve
@@ -100,6 +101,11 @@ class Room:
         traceback: TracebackType | None,
     ) -> None:
         self._simulator.close()
+
+    @property
+    def remarks(self) -> tuple[Remark, ...]:
+        """What is odd about the scene or the candidates' place in it."""
+        return self._simulator.remarks
 
     def trial(self, candidate: Candidate) -> Trial:
         """Place, draw and measure `candidate`; what was tried last is remembered.

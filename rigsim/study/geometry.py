@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,8 +12,9 @@ from rigsim.errors import NothingSeen
 from rigsim.measure.sensor import Sensor
 from rigsim.rig.arrays import Ids
 from rigsim.rig.noise import PixelNoise
+from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
-from rigsim.sim.points import GroundTruth, depth_edges_m
+from rigsim.sim.points import GroundTruth, depth_bins, depth_edges_m, image_weights
 from rigsim.sim.simulator import Simulator
 from rigsim.study.measured import Measured, measure
 from rigsim.study.pictures import Exposure, expose_pair, without_noise
@@ -21,6 +23,7 @@ from rigsim.study.result import Row
 from rigsim.study.rows import Evidence, configuration, depth_rows, empty_row, overall_row
 from rigsim.study.statistics import ErrorStatistics
 from rigsim.study.trial import Prediction, predict, run_trials
+from rigsim.theory.reach import reach_m
 
 CORNERS_FROM_BOARDS = 3
 """With fewer boards in a scene its corners say little about it: patches are measured instead."""
@@ -34,6 +37,10 @@ class Outcome:
     """Rows of sweep.csv."""
     by_depth: list[Row]
     """Rows of sweep_by_depth.csv."""
+    beyond_fraction: float = 0.0
+    """Share of the left image that shows surfaces beyond the far limit, which are left out."""
+    remarks: tuple[Remark, ...] = ()
+    """What is odd about the scene or the rig's place in it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,11 +53,20 @@ class Look:
     """Its ground-truth points."""
 
 
+def far_limit_m(rigs: Iterable[StereoRig], noises: Iterable[PixelNoise]) -> float:
+    """End of the bin of depth, m, in which the last of the rigs comes down to ``Z / sigma_Z`` of 4."""
+    noises = tuple(noises)
+    farthest_m = max((reach_m(rig, noise) for rig in rigs for noise in noises), default=math.inf)
+    if not 0 < farthest_m < math.inf:
+        return math.inf
+    return float(depth_edges_m(farthest_m, farthest_m)[-1])
+
+
 def look(simulator: Simulator, rig: StereoRig, plan: Plan) -> Look:
     """Place the rig, sample the truth and draw both views: a rig that sees nothing draws nothing."""
     simulator.place(rig)
     rng = plan.stream("truth", simulator.scene.name, rig)
-    truth = simulator.truth(plan.n_points, rng, plan.range_m)
+    truth = simulator.truth(plan.n_points, rng, plan.range_m, plan.far_limit_m)
     lenses = dict.fromkeys(without_noise(sensor) for sensor in plan.sensors.values())
     exposures = {lens: expose_pair(simulator, rig, lens, plan.supersample) for lens in lenses}
     return Look(exposures, truth)
@@ -61,8 +77,10 @@ def run_rig(simulator: Simulator, rig: StereoRig, plan: Plan) -> Outcome:
     try:
         seen = look(simulator, rig, plan)
     except NothingSeen as error:
-        return _blind(simulator, rig, plan, str(error))
-    return all_rows(simulator, rig, plan, seen, measure_pictures(simulator, rig, plan, seen))
+        outcome = _blind(simulator, rig, plan, str(error))
+    else:
+        outcome = all_rows(simulator, rig, plan, seen, measure_pictures(simulator, rig, plan, seen))
+    return replace(outcome, remarks=simulator.remarks)
 
 
 def all_rows(
@@ -75,9 +93,11 @@ def all_rows(
     edges_m = depth_edges_m(near_m, far_m)
     if plan.range_m is not None:
         edges_m = np.unique(edges_m.clip(near_m, far_m))
-    bins = np.searchsorted(edges_m[1:-1], depth_m, side="right").astype(np.int32)
+    bins = depth_bins(depth_m, edges_m)
+    coverage_bins = depth_bins(truth.coverage.depth_m, edges_m)
     methods = {triangulator_label(method): method for method in plan.triangulators}
-    outcome = Outcome([], [])
+    beyond = truth.coverage.beyond / truth.coverage.n_rays if plan.range_m is None else 0.0
+    outcome = Outcome([], [], beyond)
     for noise in plan.noises:
         prediction, all_stats = simulate(simulator, rig, truth, noise, plan, bins)
         for label, stats in all_stats.items():
@@ -88,6 +108,9 @@ def all_rows(
                     depth_m=depth_m,
                     visible=truth.visible,
                     in_right_image=truth.in_right_image,
+                    coverage=truth.coverage,
+                    coverage_bins=coverage_bins,
+                    image_weight=image_weights(bins, coverage_bins, len(edges_m) - 1),
                     bins=bins,
                     edges_m=edges_m,
                     prediction=prediction,

@@ -128,12 +128,14 @@ def _patches(simulator: Simulator, rig: StereoRig, pictures: Pictures) -> Measur
     valid = found.observations.valid
     uv_left = found.observations.uv_left[valid]
     points_left, visible = simulator.points_at(uv_left)
+    counted = ~simulator.on_sky(points_left)
+    uv_left, points_left, visible = uv_left[counted], points_left[counted], visible[counted]
     return _joined(
         "patches",
         rig,
         uv_left,
-        found.observations.uv_right[valid],
-        _along_epipolar_lines(rig, points_left, found.disparity_std_px[valid]),
+        found.observations.uv_right[valid][counted],
+        _along_epipolar_lines(rig, points_left, found.disparity_std_px[valid][counted]),
         1,
         points_left,
         visible,
@@ -150,6 +152,9 @@ def _dense(simulator: Simulator, rig: StereoRig, pictures: Pictures) -> Measured
     uv_left = np.column_stack([u, v]).astype(np.float64)
     uv_right = uv_left - np.column_stack([disparity[v, u], np.zeros(len(u))])
     points_left, visible = simulator.points_at(uv_left)
+    counted = ~simulator.on_sky(points_left)
+    u, uv_left, uv_right = u[counted], uv_left[counted], uv_right[counted]
+    points_left, visible = points_left[counted], visible[counted]
     joined = _joined("dense", rig, uv_left, uv_right, np.zeros((len(u), 4, 4)), 1, points_left, visible)
     # the matcher claims nothing for itself: take what its inliers scatter by, in a way that ignores tails
     error = joined.disparity_error_px[~joined.outlier]

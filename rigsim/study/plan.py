@@ -157,7 +157,7 @@ class Plan:
     triangulators: tuple[Triangulator, ...] = ("optimal",)
     """Methods under test."""
     range_m: tuple[float, float] | None = None
-    """Nearest and farthest depth of the truth points, m; None for all that is seen."""
+    """Nearest and farthest depth of the truth points, m; None for all that is seen, up to `far_limit_m`."""
     n_points: int = 2000
     """Truth points of one rig."""
     n_trials: int = 100
@@ -173,6 +173,8 @@ class Plan:
     """Lens and sensor that the pictures are taken with, by the name they have in tables."""
     supersample: int = SUPERSAMPLE
     """Samples along each side of a drawn pixel: 1, 2 or 4."""
+    far_limit_m: float = math.inf
+    """Farthest depth of the truth points without a `range_m`, m; `sweep` finds it."""
     extra: dict[str, object] = field(default_factory=dict, compare=False)
     """What the caller wants written into the provenance."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -10,6 +11,7 @@ import pandas as pd
 from rigsim.measure.sensor import Sensor
 from rigsim.rig.arrays import Array, Image, Mask
 from rigsim.rig.noise import PixelNoise
+from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 
 Row: TypeAlias = dict[str, str | float | int]
@@ -48,7 +50,9 @@ ROW_COLUMNS: tuple[str, ...] = (
     "scene",
     *AXES,
     "n_points",
+    "n_visible",
     "n_trials",
+    "scene_fraction",
     "visible_fraction",
     "overlap_fraction",
     "failed_fraction",
@@ -65,6 +69,8 @@ ROW_COLUMNS: tuple[str, ...] = (
     "predicted_depth_rmse_mm",
     "predicted_over_simulated",
     "nees",
+    "depth_rmse_image_mm",
+    "predicted_depth_rmse_image_mm",
     *MEASURED_COLUMNS,
     "agreement",
 )
@@ -138,5 +144,9 @@ class SweepResult:
     """The answer in words."""
     provenance: dict[str, object] = field(default_factory=dict)
     """Versions, renderer, seed, command: JSON values only."""
+    far_limit_m: float = math.inf
+    """Depth beyond which truth was left out because no rig reaches it, m; infinite where nothing was."""
+    remarks: tuple[Remark, ...] = ()
+    """What is odd about the scene or the rigs' place in it, each said once."""
     complete: bool = True
     """False when the run was interrupted and holds only the rigs done until then."""

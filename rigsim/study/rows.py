@@ -10,6 +10,7 @@ import numpy as np
 from rigsim.rig.arrays import Array, Ids, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
+from rigsim.sim.points import Coverage
 from rigsim.study.measured import Measured, bins_of, measured_agreement, measured_row, nothing_measured
 from rigsim.study.plan import Triangulator
 from rigsim.study.result import DEPTH_COLUMNS, ROW_COLUMNS, Row
@@ -37,6 +38,12 @@ class Evidence:
     """Seen by both cameras."""
     in_right_image: Mask
     """Within the right camera's field of view, hidden or not."""
+    coverage: Coverage
+    """What rays spread evenly over the left image meet."""
+    coverage_bins: Ids
+    """Depth bin of each of those rays that meets something."""
+    image_weight: Array
+    """Weights of the points that make an average one over the pixels of the left image."""
     bins: Ids
     """Depth bin of each point."""
     edges_m: Array
@@ -71,6 +78,7 @@ def overall_row(head: Row, evidence: Evidence) -> Row:
     """The row of sweep.csv."""
     everything = np.ones(len(evidence.depth_m), dtype=bool)
     body = _body(evidence, everything, slice(0, len(evidence.stats.histogram)))
+    body |= _covered(evidence, everything, np.ones(len(evidence.coverage_bins), dtype=bool))
     body = _with_measured(body, evidence, None)
     return {name: (head | body)[name] for name in ROW_COLUMNS}
 
@@ -80,7 +88,9 @@ def empty_row(head: Row, n_trials: int, why: str) -> Row:
     row: Row = dict.fromkeys(ROW_COLUMNS, math.nan)
     row |= nothing_measured() | {
         "n_points": 0,
+        "n_visible": 0,
         "n_trials": n_trials,
+        "scene_fraction": 0.0,
         "visible_fraction": 0.0,
         "overlap_fraction": 0.0,
     }
@@ -94,6 +104,7 @@ def depth_rows(head: Row, evidence: Evidence) -> list[Row]:
         inside = evidence.bins == i
         if inside.any():
             body = _with_measured(_body(evidence, inside, slice(i, i + 1)), evidence, i)
+            body |= _covered(evidence, inside, evidence.coverage_bins == i)
             body |= {"depth_near_mm": _clean(near * 1e3), "depth_far_mm": _clean(far * 1e3)}
             rows.append({name: (head | body)[name] for name in DEPTH_COLUMNS})
     return rows
@@ -102,17 +113,19 @@ def depth_rows(head: Row, evidence: Evidence) -> list[Row]:
 def _body(evidence: Evidence, inside: Mask, groups: slice) -> Row:
     visible_inside = inside[evidence.visible]  # among the visible points
     low = evidence.prediction.low_disparity
+    weight = evidence.image_weight[evidence.visible]
     kept = visible_inside & ~low
     tried = int(visible_inside.sum()) * evidence.stats.n_trials
     row: Row = {
         "n_points": int(inside.sum()),
+        "n_visible": int(visible_inside.sum()),
         "n_trials": evidence.stats.n_trials,
-        "visible_fraction": float((evidence.visible & inside).sum() / inside.sum()),
-        "overlap_fraction": float((evidence.in_right_image & inside).sum() / inside.sum()),
         "failed_fraction": 1 - float(evidence.stats.count[visible_inside].sum()) / tried
         if tried
         else math.nan,
-        "low_disparity_fraction": float(low[visible_inside].mean()) if tried else math.nan,
+        "low_disparity_fraction": float(np.average(low[visible_inside], weights=weight[visible_inside]))
+        if tried
+        else math.nan,
     }
     depth_m = evidence.depth_m[evidence.visible]
     summary = summarize(evidence.stats, depth_m, kept, groups) if kept.any() else None
@@ -120,6 +133,10 @@ def _body(evidence: Evidence, inside: Mask, groups: slice) -> Row:
         nothing = dict.fromkeys(ROW_COLUMNS[ROW_COLUMNS.index("depth_median_mm") :], math.nan)
         return {**row, **nothing, "agreement": _why_nothing(tried, low[visible_inside])}
     predicted_m = _rms(evidence.prediction.depth_rmse_m[kept])
+    image_m, predicted_image_m = (
+        _weighted_rms(each[kept], weight[kept])
+        for each in (evidence.stats.depth_rmse_m, evidence.prediction.depth_rmse_m)
+    )
     median_m = float(np.median(depth_m[kept]))
     return {
         **row,
@@ -135,7 +152,25 @@ def _body(evidence: Evidence, inside: Mask, groups: slice) -> Row:
         "predicted_depth_rmse_mm": predicted_m * 1e3,
         "predicted_over_simulated": predicted_m / summary.rmse_m if predicted_m > 0 else math.nan,
         "nees": summary.nees,
+        "depth_rmse_image_mm": image_m * 1e3,
+        "predicted_depth_rmse_image_mm": predicted_image_m * 1e3,
         "agreement": _agreement(evidence, kept, summary, median_m),
+    }
+
+
+def _covered(evidence: Evidence, points: Mask, rays: Mask) -> Row:
+    """Shares of the left image's pixels; of the points in a bin so small that no ray meets it."""
+    coverage = evidence.coverage
+    if not rays.any():
+        return {
+            "scene_fraction": 0.0,
+            "visible_fraction": float(evidence.visible[points].mean()),
+            "overlap_fraction": float(evidence.in_right_image[points].mean()),
+        }
+    return {
+        "scene_fraction": float(rays.sum()) / coverage.n_rays,
+        "visible_fraction": float(coverage.visible_right[rays].mean()),
+        "overlap_fraction": float(coverage.in_right_image[rays].mean()),
     }
 
 
@@ -190,6 +225,14 @@ def _why_nothing(tried: int, low: Mask) -> str:
 
 def _rms(values: Array) -> float:
     return math.sqrt(float(np.mean(values**2)))
+
+
+def _weighted_rms(values: Array, weight: Array) -> float:
+    """Root of the weighted mean square; what failed in every trial counts in none."""
+    good = np.isfinite(values)
+    if not good.any():
+        return math.nan
+    return math.sqrt(float(np.average(values[good] ** 2, weights=weight[good])))
 
 
 def _clean(value: float) -> float:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from rigsim.measure.sensor import Sensor
 from rigsim.rig.arrays import Array
+from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.frame import StereoFrame
 from rigsim.sim.simulator import SUPERSAMPLE, Simulator
@@ -28,6 +29,8 @@ class Snapshot:
     """``u_left - u_right``, (H, W), px; NaN where the right camera does not see the point."""
     provenance: dict[str, object]
     """Versions, renderer, command: JSON values only."""
+    remarks: tuple[Remark, ...] = ()
+    """What a person should know of the scene and the rig's place in it."""
 
 
 def take_snapshot(
@@ -48,4 +51,5 @@ def take_snapshot(
             frame=frame,
             disparity=simulator.true_disparity(frame),
             provenance={**simulator_provenance(simulator), **extra},
+            remarks=simulator.remarks,
         )

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 
 from rigsim.errors import InvalidRange, InvalidScene
+from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
 from rigsim.study import verdict as words
+from rigsim.study.choice import rank
 from rigsim.study.executor import run_all
-from rigsim.study.geometry import Look, look, simulate
+from rigsim.study.geometry import Look, far_limit_m, look, simulate
 from rigsim.study.pictures import without_noise
 from rigsim.study.plan import Plan, RigGrid, triangulator_label
 from rigsim.study.provenance import simulator_provenance
@@ -50,9 +53,13 @@ def sweep(
     todo = rigs if isinstance(rigs, RigGrid) else list(rigs)
     if len(todo) == 0:
         raise InvalidRange("no rig to sweep: give at least one")
+    if plan.range_m is None:
+        plan = replace(plan, far_limit_m=far_limit_m(todo, plan.noises))
+    beyond_fraction = 0.0
     rows: list[Row] = []
     by_depth: list[Row] = []
     done: list[StereoRig] = []
+    remarks: dict[str, Remark] = {}
     with Simulator(plan.scene, plan.mount, plan.renderer) as simulator:
         complete = True
         outcomes = run_all(todo, plan, jobs, simulator)
@@ -60,6 +67,8 @@ def sweep(
             for rig, outcome in zip(todo, outcomes, strict=True):
                 rows.extend(outcome.rows)
                 by_depth.extend(outcome.by_depth)
+                beyond_fraction = max(beyond_fraction, outcome.beyond_fraction)
+                remarks = {remark.code: remark for remark in outcome.remarks} | remarks
                 done.append(rig)
                 if progress:
                     progress(len(done))
@@ -69,7 +78,8 @@ def sweep(
                 raise
             complete = False
         lens_note = rigs.lens_note if isinstance(rigs, RigGrid) else ""
-        return _conclude(rows, by_depth, done, plan, simulator, lens_note, complete)
+        result = _conclude(rows, by_depth, done, plan, simulator, lens_note, complete, beyond_fraction)
+        return replace(result, remarks=tuple(remarks.values()))
 
 
 def _conclude(
@@ -80,10 +90,11 @@ def _conclude(
     simulator: Simulator,
     lens_note: str,
     complete: bool,
+    beyond_fraction: float,
 ) -> SweepResult:
     table = pd.DataFrame(rows, columns=list(ROW_COLUMNS))
     depth_table = pd.DataFrame(by_depth, columns=list(DEPTH_COLUMNS))
-    order = words.rank(table)
+    order = rank(table, depth_table)
     if not order:
         reasons = dict.fromkeys(str(reason).removeprefix("flagged: ") for reason in table["agreement"])
         if len(reasons) == 1 and next(iter(reasons)).startswith("scene "):
@@ -92,6 +103,7 @@ def _conclude(
             f"scene {simulator.scene.name}: no rig has a result ({'; '.join(list(reasons)[:3])}): "
             "choose a smaller --baseline, another --range or another --mount"
         )
+    far_words = words.far_limit_words(plan.far_limit_m, beyond_fraction)
     swept = words.swept_axes(table, ("baseline_mm", "hfov_deg", "width_px") if lens_note else AXES)
     per_rig = len(plan.noises) * len(plan.triangulators) * len(plan.sensors)
     return SweepResult(
@@ -102,7 +114,7 @@ def _conclude(
         limits=words.limits(table),
         lens_note=lens_note,
         showcase=_showcase(simulator, rigs[order[0] // per_rig], order[0], plan),
-        verdict=words.judge(table, depth_table, swept, order[0], lens_note, complete),
+        verdict=words.judge(table, depth_table, swept, order, lens_note, complete, far_words),
         provenance={
             **simulator_provenance(simulator),
             "seed": plan.seed,
@@ -110,6 +122,7 @@ def _conclude(
             "trials": plan.n_trials,
             **plan.extra,
         },
+        far_limit_m=plan.far_limit_m if far_words else math.inf,
         complete=complete,
     )
 

@@ -2,28 +2,19 @@
 
 from __future__ import annotations
 
+import math
+
 import pandas as pd
 
+from rigsim.study.choice import choice, trend
+from rigsim.study.comparison import WELL_COVERED, compare, row_of_bins
+from rigsim.study.growth import growth_words
+from rigsim.study.phrases import describe, mm, percent
 from rigsim.study.result import AXES, Verdict
-
-WELL_COVERED = 0.8
-"""A configuration must keep this share of the best coverage to be called best."""
 
 _LOW_DISPARITY = 0.05
 _FAILED = 0.01
 _BIASED = 0.3
-
-_AXIS_WORDS = {
-    "baseline_mm": ("baseline", "mm"),
-    "focal_px": ("focal length", "px"),
-    "hfov_deg": ("field of view", "°"),
-    "width_px": ("image width", "px"),
-    "height_px": ("image height", "px"),
-    "vergence_deg": ("vergence", "°"),
-    "noise_px": ("noise", "px"),
-    "triangulator": ("triangulator", ""),
-    "sensor": ("sensor", ""),
-}
 
 
 def swept_axes(rows: pd.DataFrame, order: tuple[str, ...]) -> tuple[str, ...]:
@@ -62,106 +53,99 @@ def limits(rows: pd.DataFrame) -> tuple[str, ...]:
     return tuple(words)
 
 
-def rank(rows: pd.DataFrame) -> tuple[int, ...]:
-    """Places of the rows, best first: smallest depth error among those that cover enough and are not flagged.
-
-    Noise is a circumstance, not a choice: only rows of the middle noise level compete.
-    """
-    noises = sorted(rows["noise_px"].unique())
-    compete = rows[(rows["noise_px"] == noises[(len(noises) - 1) // 2]) & rows["depth_rmse_mm"].notna()]
-    enough = compete["visible_fraction"] >= WELL_COVERED * compete["visible_fraction"].max()
-    agrees = compete["agreement"] == "agrees"
-    order = (
-        compete.assign(poor=~enough, doubtful=~agrees)
-        .sort_values(["doubtful", "poor", "depth_rmse_mm"], kind="stable")
-        .index
-    )
-    return tuple(int(i) for i in order)
-
-
 def judge(
     rows: pd.DataFrame,
     by_depth: pd.DataFrame,
     swept: tuple[str, ...],
-    best: int,
+    order: tuple[int, ...],
     lens_note: str,
     complete: bool,
+    far_limit: str = "",
 ) -> Verdict:
-    """Put the sweep into sentences."""
+    """Put the sweep into sentences.
+
+    Args:
+        rows: `SweepResult.rows`.
+        by_depth: `SweepResult.by_depth`.
+        swept: the axes that were varied.
+        order: places of the rows, best first.
+        lens_note: what stayed and what changed between resolutions.
+        complete: whether every rig was done.
+        far_limit: what was left out for being too far, as `far_limit_words` says it.
+    """
     flagged = rows["agreement"] != "agrees"
+    best = order[0]
     row = rows.loc[best]
+    bins = _bins(best, rows, by_depth)
     sentences = [
-        *_far_end(row, by_depth),
-        *_trend(rows, swept, best),
+        *_far_end(bins),
+        *_averages(row),
+        *choice(rows, compare(rows, by_depth), swept, order),
+        *trend(rows, by_depth, swept, best),
         *_measured(row),
         _agreement(rows, flagged),
         *_coverage(rows, swept),
         *_low_disparity(row),
     ]
+    if far_limit:
+        sentences.append(far_limit)
     if lens_note:
         sentences.append(lens_note)
     if not complete:
         sentences.insert(0, "The run was interrupted: only the rigs done until then are shown.")
-    return Verdict(_headline(row, by_depth), tuple(sentences), not bool(flagged.any()))
+    return Verdict(_headline(row, bins), tuple(sentences), not bool(flagged.any()))
 
 
-def describe(row: pd.Series, axes: tuple[str, ...]) -> str:
-    """The row's values on some axes, as a person would say them."""
-    return ", ".join(_say(axis, row[axis]) for axis in axes)
-
-
-def _headline(row: pd.Series, by_depth: pd.DataFrame) -> str:
-    bins = _bins(row, by_depth)
-    middle = bins[bins["depth_far_mm"] >= row["depth_median_mm"]].iloc[0]
-    n = round(row["n_points"] * row["visible_fraction"])
-    ending = "and in agreement" if row["agreement"] == "agrees" else f"and {row['agreement']}"
+def far_limit_words(limit_m: float, beyond_fraction: float) -> str:
+    """What was left out for being too far; empty when nothing was."""
+    if not (math.isfinite(limit_m) and beyond_fraction > 0):
+        return ""
     return (
-        f"At {_depths(middle)}, {row['baseline_mm']:.4g} mm of baseline gives "
-        f"{_mm(middle['depth_rmse_mm'])} RMS depth error; "
-        f"predicted {_mm(middle['predicted_depth_rmse_mm'])}; "
-        f"simulated on {n} points of `{row['scene']}`, {ending}."
+        f"Surfaces beyond {limit_m:.3g} m, up to {percent(beyond_fraction)} of a left image, are left out: "
+        "there no rig of this sweep has a depth of 4 of its standard deviations (--range sets other limits)."
     )
 
 
-def _far_end(row: pd.Series, by_depth: pd.DataFrame) -> list[str]:
-    bins = _bins(row, by_depth)
+def _headline(row: pd.Series, bins: pd.DataFrame) -> str:
+    middle = bins[bins["depth_far_mm"] >= row["depth_median_mm"]].iloc[0]
+    ending = "and in agreement" if row["agreement"] == "agrees" else f"and {row['agreement']}"
+    return (
+        f"At {_depths(middle)}, {row['baseline_mm']:.4g} mm of baseline gives "
+        f"{mm(middle['depth_rmse_mm'])} RMS depth error; "
+        f"predicted {mm(middle['predicted_depth_rmse_mm'])}; "
+        f"simulated on {row['n_visible']:.0f} points of `{row['scene']}`, {ending}."
+    )
+
+
+def _far_end(bins: pd.DataFrame) -> list[str]:
     if len(bins) < 2:
         return []
     last = bins.iloc[-1]
+    growth = growth_words(bins)
     return [
-        f"At the far end, {_depths(last)}, the same rig gives {_mm(last['depth_rmse_mm'])} RMS "
-        f"(predicted {_mm(last['predicted_depth_rmse_mm'])}): it grows with the distance squared."
+        f"At the far end, {_depths(last)}, the same rig gives {mm(last['depth_rmse_mm'])} RMS "
+        f"(predicted {mm(last['predicted_depth_rmse_mm'])})" + (f": {growth}." if growth else ".")
     ]
 
 
-def _bins(row: pd.Series, by_depth: pd.DataFrame) -> pd.DataFrame:
+def _averages(row: pd.Series) -> list[str]:
+    """Both averages over what the row answers: they differ where near things fill the image."""
+    pixels, balanced = row["depth_rmse_image_mm"], row["depth_rmse_mm"]
+    if not pixels > 0:
+        return []
+    return [
+        f"Over everything that it answers, its depth error is {mm(pixels)} RMS per pixel of the left image, "
+        f"and {mm(balanced)} over points balanced over depth, where far ones count as much as near ones."
+    ]
+
+
+def _bins(place: int, rows: pd.DataFrame, by_depth: pd.DataFrame) -> pd.DataFrame:
     """The depth bins of one row that hold a result, near to far."""
-    key = ["scene", *AXES]
-    return by_depth[(by_depth[key] == row[key]).all(axis=1) & by_depth["depth_rmse_mm"].notna()]
+    return by_depth[(row_of_bins(rows, by_depth) == place) & by_depth["depth_rmse_mm"].notna()]
 
 
 def _depths(row: pd.Series) -> str:
     return f"{row['depth_near_mm'] / 1e3:.3g} to {row['depth_far_mm'] / 1e3:.3g} m"
-
-
-def _trend(rows: pd.DataFrame, swept: tuple[str, ...], best: int) -> list[str]:
-    """How the error moves along the first numeric axis, the others held at the best row's values."""
-    numeric = [axis for axis in swept if _AXIS_WORDS[axis][1]]
-    if not numeric:
-        return []
-    axis = numeric[0]
-    others = [other for other in swept if other != axis]
-    line = rows[(rows[others] == rows.loc[best, others]).all(axis=1)] if others else rows
-    line = line[line["depth_rmse_mm"].notna()].sort_values(axis, kind="stable")
-    if len(line) < 2:
-        return []
-    first, last = line.iloc[0], line.iloc[-1]
-    verb = "falls" if last["depth_rmse_mm"] < first["depth_rmse_mm"] else "rises"
-    held = f" (at {describe(rows.loc[best], tuple(others))})" if others else ""
-    return [
-        f"From {first[axis]:.4g} to {_say(axis, last[axis])}{held}, the depth error over the whole "
-        f"scene {verb} from {_mm(first['depth_rmse_mm'])} to {_mm(last['depth_rmse_mm'])} RMS."
-    ]
 
 
 def _agreement(rows: pd.DataFrame, flagged: pd.Series) -> str:
@@ -187,8 +171,8 @@ def _measured(row: pd.Series) -> list[str]:
     noise_px = row["measured_disparity_std_px"] / 2**0.5
     return [
         f"Measured in the pictures ({int(row['measured_n'])} {row['measured_method']}, sensor "
-        f"`{row['sensor']}`): {_mm(row['measured_depth_rmse_mm'])} RMS depth error, where the accuracy they "
-        f"claim predicts {_mm(row['predicted_from_measured_rmse_mm'])}; their disparity noise of "
+        f"`{row['sensor']}`): {mm(row['measured_depth_rmse_mm'])} RMS depth error, where the accuracy they "
+        f"claim predicts {mm(row['predicted_from_measured_rmse_mm'])}; their disparity noise of "
         f"{row['measured_disparity_std_px']:.2g} px corresponds to `--noise {noise_px:.2g}`."
     ]
 
@@ -197,12 +181,13 @@ def _coverage(rows: pd.DataFrame, swept: tuple[str, ...]) -> list[str]:
     coverage = rows["visible_fraction"]
     poor = coverage < WELL_COVERED * coverage.max()
     if not poor.any():
-        return [f"Both cameras see {_percent(coverage.min())} or more of the points that the left one sees."]
+        least = percent(coverage.min())
+        return [f"Both cameras see {least} or more of the left image's pixels that show the scene."]
     worst = rows.loc[coverage.idxmin()]
     return [
         f"The cameras share least at {describe(worst, swept) or 'this rig'}: both see only "
-        f"{_percent(worst['visible_fraction'])} of what the left one sees, "
-        f"against {_percent(coverage.max())} at best; rows under {_percent(WELL_COVERED)} of the best "
+        f"{percent(worst['visible_fraction'])} of the left image's pixels that show the scene, "
+        f"against {percent(coverage.max())} at best; rows under {percent(WELL_COVERED)} of the best "
         "coverage are not called best."
     ]
 
@@ -210,28 +195,8 @@ def _coverage(rows: pd.DataFrame, swept: tuple[str, ...]) -> list[str]:
 def _low_disparity(row: pd.Series) -> list[str]:
     if not row["low_disparity_fraction"] > 0:
         return []
+    share = percent(row["low_disparity_fraction"])
     return [
-        f"At the best rig {_percent(row['low_disparity_fraction'])} of the points have a disparity under "
-        "4 standard deviations of its noise; they are counted, but kept out of the RMS."
+        f"At the best rig {share} of the pixels that both cameras see have a depth under 4 standard "
+        "deviations of its noise; they are counted, but kept out of the RMS."
     ]
-
-
-def _say(axis: str, value: object) -> str:
-    words, unit = _AXIS_WORDS[axis]
-    if not unit:
-        return f"`{value}`"
-    space = "" if unit == "°" else " "
-    return f"{value:.4g}{space}{unit} of {words}"
-
-
-def _mm(value: float) -> str:
-    """Millimetres with three digits; metres from 1 m on."""
-    if abs(value) >= 1000:
-        return f"{value / 1000:.3g} m"
-    return f"{value:.3g} mm"
-
-
-def _percent(fraction: float) -> str:
-    """Whole percent; one digit more where that would hide something."""
-    percent = fraction * 100
-    return f"{percent:.0f} %" if percent >= 1 or percent == 0 else f"{percent:.1g} %"

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from rigsim.interop.documents.base import Part, Provenance, SeenRig, Written, seen_rig
+from rigsim.interop.documents.base import Part, Provenance, RemarkPart, SeenRig, Written, seen_rig
 from rigsim.interop.documents.text import clean
 from rigsim.rig.stereo import StereoRig
 
@@ -51,6 +51,8 @@ class ExportDatasetDocument(Part):
     """Farthest turn off the mount about each axis, degrees."""
     seed: int
     """Seed of the viewpoints and the noise."""
+    remarks: list[RemarkPart]
+    """What is odd about the scene or the rig's place in it; also on standard error."""
     provenance: Provenance
     written: Written
     """The files, with their folders; the data set's own folder can be given to --rig."""

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
-from rigsim.interop.documents.base import Part, Provenance, SeenRig, Written, seen_rig
+from rigsim.interop.documents.base import Part, Provenance, RemarkPart, SeenRig, Written, seen_rig
 from rigsim.interop.documents.text import clean
 from rigsim.rig.arrays import Array
 from rigsim.study.snapshot import Snapshot
@@ -39,6 +40,8 @@ class RenderDocument(Part):
     """True disparity of the left pixels that the right camera sees, px."""
     visible_fraction: float | None
     """Those, as a share of the left pixels with a depth."""
+    remarks: list[RemarkPart]
+    """What is odd about the scene or the rig's place in it; also on standard error."""
     provenance: Provenance
     written: Written
     """The pictures and arrays."""
@@ -57,6 +60,7 @@ def render_document(snapshot: Snapshot, written: Written) -> dict[str, Any]:
             "depth_left_mm": _spread(depth_mm),
             "disparity_px": _spread(snapshot.disparity),
             "visible_fraction": float(seen.sum() / hit.sum()) if hit.any() else None,
+            "remarks": [asdict(remark) for remark in snapshot.remarks],
             "provenance": provenance,
             "written": written,
         }

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import asdict
 from typing import Any
 
 from pydantic import Field
 
-from rigsim.interop.documents.base import Part, Provenance, Written
+from rigsim.interop.documents.base import Part, Provenance, RemarkPart, Written
+from rigsim.study.comparison import compare
 from rigsim.study.result import SweepResult
 
 
@@ -46,22 +49,26 @@ class Row(Part):
     """Lens and sensor of the pictures."""
     n_points: int
     """Truth points."""
+    n_visible: int
+    """Truth points that both cameras see."""
     n_trials: int
     """Noisy repetitions of each."""
+    scene_fraction: float
+    """Pixels of the left image that show the scene (within the range, or the bin), of all."""
     visible_fraction: float
-    """Points that both cameras see, of those the left one sees."""
+    """Of these pixels, those that show what the right camera sees too."""
     overlap_fraction: float
-    """Points within the right camera's field of view, hidden or not."""
+    """Of these pixels, those that show what lies within the right camera's field of view, hidden or not."""
     failed_fraction: float | None
     """Triangulations of visible points that gave no point in front of both cameras."""
     low_disparity_fraction: float | None
-    """Visible points with a disparity under 4 sigma; they are kept out of every RMS."""
+    """Of the pixels that show what both see, those with a depth under 4 of its sigmas; in no RMS."""
     depth_median_mm: float | None
     """Median true depth of the points in the statistics, mm."""
     depth_bias_mm: float | None
     """Simulated mean depth error, mm."""
     depth_rmse_mm: float | None
-    """Simulated RMS depth error, mm."""
+    """Simulated RMS depth error over the truth points, which are balanced over depth, mm."""
     depth_rmse_ci_low_mm: float | None
     """Lower end of its 95 % confidence interval, mm."""
     depth_rmse_ci_high_mm: float | None
@@ -80,6 +87,10 @@ class Row(Part):
     """Ratio of the two."""
     nees: float | None
     """Mean normalised squared error: 3 when the predicted covariance is right."""
+    depth_rmse_image_mm: float | None
+    """Simulated RMS depth error per pixel of the left image, as of a depth map, mm."""
+    predicted_depth_rmse_image_mm: float | None
+    """The closed forms' answer for it, mm."""
     measured_method: str
     """What was measured in the two pictures: corners, patches, dense or none."""
     measured_n: int
@@ -133,6 +144,26 @@ class Verdict(Part):
     """Whether no row was flagged."""
 
 
+class Span(Part):
+    """A stretch of depth."""
+
+    near_mm: float
+    """Nearest depth, mm."""
+    far_mm: float
+    """Farthest depth, mm."""
+
+
+class Compared(Part):
+    """The depth error of the rows at the same distances, per pixel of the left image: what `best` goes by."""
+
+    spans: list[Span]
+    """The distances, near to far: bins of depth that the rows answer together."""
+    depth_rmse_mm: list[float | None]
+    """Simulated RMS there, one for each row, mm; null for a row that does not answer them."""
+    predicted_depth_rmse_mm: list[float | None]
+    """The closed forms' answer for the same, mm."""
+
+
 class SweepDocument(Part):
     """Rigs swept through a scene: predicted, simulated and measured depth error side by side."""
 
@@ -145,12 +176,18 @@ class SweepDocument(Part):
     """Columns of the rows that were varied."""
     best: list[int]
     """Places in rows of the configurations to take, best first."""
+    compared: Compared | None
+    """What the order goes by; null when the rows have no distances in common."""
+    far_limit_mm: float | None
+    """Depth beyond which surfaces were left out because no rig reaches it, mm; null when none were."""
     lens_note: str | None
     """What stayed and what changed between resolutions; null when there was but one."""
     rows: list[OverallRow]
     """One for each configuration."""
     by_depth: list[DepthRow]
     """One for each configuration and bin of depth."""
+    remarks: list[RemarkPart]
+    """What is odd about the scene or the rigs' place in it; also on standard error."""
     provenance: SweepProvenance
     written: Written | None
     """The report; null without --out."""
@@ -170,17 +207,31 @@ def sweep_document(result: SweepResult, written: Written | None) -> dict[str, An
             "complete": result.complete,
             "swept": list(result.swept),
             "best": list(result.best),
+            "compared": _compared(result),
+            "far_limit_mm": result.far_limit_m * 1e3 if math.isfinite(result.far_limit_m) else None,
             "lens_note": _said(result.lens_note) or None,
             "rows": [
                 {**row, "limited_by": limit}
                 for row, limit in zip(result.rows.to_dict("records"), result.limits, strict=True)
             ],
             "by_depth": result.by_depth.to_dict("records"),
+            "remarks": [asdict(remark) for remark in result.remarks],
             "provenance": provenance,
             "written": written,
         }
     )
     return document.model_dump()
+
+
+def _compared(result: SweepResult) -> dict[str, Any] | None:
+    found = compare(result.rows, result.by_depth)
+    if not found.spans_mm:
+        return None
+    return {
+        "spans": [{"near_mm": near, "far_mm": far} for near, far in found.spans_mm],
+        "depth_rmse_mm": found.simulated_mm.tolist(),
+        "predicted_depth_rmse_mm": found.predicted_mm.tolist(),
+    }
 
 
 def _said(text: str) -> str:

@@ -1,0 +1,125 @@
+"""What a placed rig has before it, by a few rays: what is odd is remarked, a camera in a surface refused."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rigsim.errors import NothingSeen
+from rigsim.rig.arrays import Array, Ids
+from rigsim.rig.remark import Remark
+from rigsim.sim import rays
+from rigsim.sim.scene import NEAR_M, SIDES, Scene
+
+_COLUMNS, _ROWS = 41, 31
+_CLOSE_M = 0.02  # nearer than stereo cameras focus and match
+_CLOSE_SHARE = 0.01  # of a picture
+_MOSTLY = 0.5
+_ENOUGH = 40  # rays, to tell a share by
+
+
+def look_around(scene: Scene) -> list[Remark]:
+    """Remarks on the placed rig's view.
+
+    Raises:
+        NothingSeen: a camera lies in a surface, so that its picture would be empty.
+    """
+    remarks = _surrounded(scene)
+    views = [_probe(scene, side) for side in (0, 1)]
+    for side, (depth, geom) in enumerate(views):
+        _check_free(scene, side, depth, geom)
+    for side, (depth, geom) in enumerate(views):
+        remarks += _close(scene, side, depth, geom)
+    remarks += _sky(scene, views)
+    remarks += _hidden(scene, *views[0])
+    return remarks
+
+
+def _grid(scene: Scene, side: int) -> Array:
+    """Pixels (N, 2) over the whole picture, its edges included."""
+    lens = scene.lens(side)
+    u, v = np.meshgrid(
+        np.linspace(-0.5, lens.width - 0.5, _COLUMNS), np.linspace(-0.5, lens.height - 0.5, _ROWS)
+    )
+    return np.column_stack([u.ravel(), v.ravel()])
+
+
+def _probe(scene: Scene, side: int) -> tuple[Array, Ids]:
+    return rays.depth_at(scene, side, _grid(scene, side))
+
+
+def _surrounded(scene: Scene) -> list[Remark]:
+    if not scene.around:
+        return []
+    names = list(dict.fromkeys(f"{scene.object_name(geom)}" for geom in scene.around))
+    listed = ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
+    return [
+        Remark(
+            "inside_geom",
+            f"scene {scene.name}: at {scene.mount} a camera sits in or behind {listed}: left out of both pictures "
+            "and of the truth for such a rig; move the mount if that is not meant",
+        )
+    ]
+
+
+def _check_free(scene: Scene, side: int, depth: Array, geom: Ids) -> None:
+    if not (depth < NEAR_M).any():
+        return
+    nearest = int(np.nanargmin(depth))
+    raise NothingSeen(
+        f"scene {scene.name}: the {SIDES[side]} camera at {scene.mount} lies in the surface of "
+        f"{scene.object_name(int(geom[nearest]))}: {max(depth[nearest], 0) * 1e3:.2g} mm before it, must be >= "
+        f"{NEAR_M * 1e3:g} mm; move the mount, or take another --baseline"
+    )
+
+
+def _close(scene: Scene, side: int, depth: Array, geom: Ids) -> list[Remark]:
+    near = depth < _CLOSE_M
+    if near.mean() < _CLOSE_SHARE:
+        return []
+    nearest = int(np.nanargmin(depth))
+    return [
+        Remark(
+            "near_surface",
+            f"scene {scene.name}: {scene.object_name(int(geom[nearest]))} is {depth[nearest] * 1e3:.2g} mm before the "
+            f"{SIDES[side]} camera at {scene.mount}; {near.mean():.0%} of its picture is nearer than "
+            f"{_CLOSE_M * 1e3:g} mm: move the mount if that is not meant",
+        )
+    ]
+
+
+def _sky(scene: Scene, views: list[tuple[Array, Ids]]) -> list[Remark]:
+    share = max(float(np.isnan(depth).mean()) for depth, _ in views)
+    if not scene.sky or share == 0:
+        return []
+    return [
+        Remark(
+            "skybox",
+            f"scene {scene.name}: the skybox {scene.sky} fills {share:.0%} of a picture: it is at infinity and has no "
+            "depth, so what is found on it is not counted",
+        )
+    ]
+
+
+def _hidden(scene: Scene, depth: Array, geom: Ids) -> list[Remark]:
+    """Of the grid's points that lie in both pictures, how many something nearer hides from the right camera."""
+    rig = scene.rig
+    assert rig is not None
+    hit = np.isfinite(depth)
+    uv = _grid(scene, 0)[hit]
+    points_left = np.column_stack([rig.left.normalize(uv), np.ones(len(uv))]) * depth[hit][:, None]
+    both = rig.right.contains(rig.project(points_left)[1])
+    if both.sum() < _ENOUGH:
+        return []
+    points_world = scene.world_from_camera(0).apply(points_left[both])
+    seen = rays.sees(scene, 1, points_world)
+    if seen.mean() >= 1 - _MOSTLY:
+        return []
+    names, counts = np.unique(geom[hit][both][~seen], return_counts=True)
+    most = scene.object_name(int(names[np.argmax(counts)]))
+    return [
+        Remark(
+            "mostly_hidden",
+            f"scene {scene.name}: {1 - seen.mean():.0%} of what lies in both pictures, most of it on {most}, is hidden "
+            "from the right camera by something nearer: few points are seen by both",
+        )
+    ]

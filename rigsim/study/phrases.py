@@ -1,0 +1,45 @@
+"""Values as the sentences of a sweep say them."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+AXIS_WORDS = {
+    "baseline_mm": ("baseline", "mm"),
+    "focal_px": ("focal length", "px"),
+    "hfov_deg": ("field of view", "°"),
+    "width_px": ("image width", "px"),
+    "height_px": ("image height", "px"),
+    "vergence_deg": ("vergence", "°"),
+    "noise_px": ("noise", "px"),
+    "triangulator": ("triangulator", ""),
+    "sensor": ("sensor", ""),
+}
+"""What an axis is called, and its unit; no unit where its values are names."""
+
+
+def describe(row: pd.Series, axes: tuple[str, ...]) -> str:
+    """The row's values on some axes, as a person would say them."""
+    return ", ".join(say(axis, row[axis]) for axis in axes)
+
+
+def say(axis: str, value: object) -> str:
+    """A value of an axis with its name: ``120 mm of baseline``."""
+    words, unit = AXIS_WORDS[axis]
+    if not unit:
+        return f"`{value}`"
+    space = "" if unit == "°" else " "
+    return f"{value:.4g}{space}{unit} of {words}"
+
+
+def mm(value: float) -> str:
+    """Millimetres with three digits; metres from 1 m on."""
+    if abs(value) >= 1000:
+        return f"{value / 1000:.3g} m"
+    return f"{value:.3g} mm"
+
+
+def percent(fraction: float) -> str:
+    """Whole percent; one digit more where that would hide something."""
+    percent = fraction * 100
+    return f"{percent:.0f} %" if percent >= 1 or percent == 0 else f"{percent:.1g} %"
