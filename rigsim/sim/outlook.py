@@ -121,6 +121,7 @@ def _hidden(scene: Scene, depth: Array) -> list[Remark]:
         return []
     text = (
         f"of what the left camera sees between {edges[worst]:g} and {edges[worst + 1]:g} m, "
-        f"{shares[worst]:.0%} is hidden from the right camera by something nearer: few points there are seen by both"
+        f"{shares[worst]:.0%} is hidden from the right camera by something nearer: few points there "
+        "are seen by both"
     )
     return [_remark(scene, "mostly_hidden", text)]
