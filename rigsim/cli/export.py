@@ -128,8 +128,8 @@ def dataset(
         from rigsim.interop.documents.base import Written
         from rigsim.interop.documents.export import export_dataset_document
 
-        said = {"frames": frames, **views, "provenance": provenance}
-        said["remarks"] = [asdict(remark) for remark in simulator.remarks]
+        remarks = [asdict(remark) for remark in simulator.remarks]
+        said = {"frames": frames, **views, "remarks": remarks, "provenance": provenance}
         written = Written(folder=str(out), files=names)
         print_document(export_dataset_document(_command(), format, one, said, written))
         return

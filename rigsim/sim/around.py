@@ -1,4 +1,4 @@
-"""Which geoms cameras cannot look at: solids they sit in, planes they are behind, and a geom's second copy."""
+"""Which geoms cameras do not look at: solids they sit in, planes they are behind, and second copies."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def shown(model: Any, groups: Array) -> Mask:
     material = model.geom_matid
     alpha = np.where(material >= 0, _last(model.mat_rgba, material), model.geom_rgba[:, 3])
     # MuJoCo lets a geom's own colour stand in for its material's where it is not the default grey
-    own = ~np.all(model.geom_rgba == np.float32([0.5, 0.5, 0.5, 1]), axis=1)
+    own = ~np.all(model.geom_rgba == np.array([0.5, 0.5, 0.5, 1]), axis=1)
     alpha = np.where(own, model.geom_rgba[:, 3], alpha)
     visible: Mask = (groups[np.clip(model.geom_group, 0, len(groups) - 1)] > 0) & (alpha > 0)
     return visible
@@ -37,7 +37,8 @@ def hide(model: Any, geoms: Ids) -> None:
 def never_drawn(model: Any, data: Any) -> Ids:
     """Geoms that no rig sees: wholly transparent ones, and copies that lie on another geom.
 
-    Rays look at a material's alpha, pictures at the geom's own where it is given: make both see what is drawn.
+    Rays look at a material's alpha, pictures at the geom's own where it is given: both get to see what is
+    drawn.
     """
     visible = shown(model, mujoco.MjvOption().geomgroup)
     used = np.unique(model.geom_matid[visible & (model.geom_matid >= 0)])
@@ -49,8 +50,8 @@ def never_drawn(model: Any, data: Any) -> Ids:
 def copies(model: Any, data: Any, among: Mask) -> Ids:
     """Geoms that lie exactly on another one of the same shape, as a collision geom on its visual twin.
 
-    Of such a set the one to look at stays: one that does not collide, which is how MuJoCo tells a visual geom;
-    else the most opaque; else the first.
+    Of such a set the one to look at stays: one that does not collide, as MuJoCo's visual geoms; else
+    the most opaque; else the first.
     """
     at = np.flatnonzero(among)
     place = np.hstack([data.geom_xpos[at], data.geom_xmat[at], model.geom_size[at]])
@@ -74,7 +75,7 @@ def planes_behind(model: Any, data: Any, camera_world: Array, among: Mask) -> Id
 
 
 def solids_around(model: Any, data: Any, camera_world: Array, forward_world: Array, among: Mask) -> Ids:
-    """Solids that the camera sits in: rays of every direction leave them through the back of their surface."""
+    """Solids that the camera sits in: rays of every direction leave through the back of their surface."""
     start = np.ascontiguousarray(camera_world - _BACK_M * forward_world)
     near = np.linalg.norm(data.geom_xpos - start, axis=1) <= model.geom_rbound
     candidates = np.flatnonzero(among & near & (model.geom_type != mujoco.mjtGeom.mjGEOM_PLANE))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
+from warnings import WarningMessage
 
 import mujoco
 import numpy as np
@@ -15,6 +17,13 @@ _TEXTURED_GREY = (
     8  # between neighbouring texels along a row: less is a gradient, which nothing can be matched on
 )
 _DEFAULTS = mujoco.MjModel.from_xml_string("<mujoco/>").vis
+
+
+def warned(scene: str, warnings: Iterable[WarningMessage]) -> tuple[Remark, ...]:
+    """Remarks on what MuJoCo warns of when it reads a file."""
+    texts = dict.fromkeys(" ".join(str(each.message).split()) for each in warnings)
+    said = "; ".join(text.removeprefix("WARNING: ") for text in texts)
+    return (Remark("mujoco_warning", f"scene {scene}: MuJoCo warns: {said}"),) if said else ()
 
 
 def left_out(model: Any, scene: str) -> tuple[Remark, ...]:
@@ -59,7 +68,7 @@ def textured_sky(model: Any) -> str:
 def _drawn(model: Any, tendon: int) -> bool:
     """Whether MuJoCo draws it: a spatial tendon of some width, which runs over sites and geoms."""
     first = int(model.wrap_type[model.tendon_adr[tendon]])
-    return first != mujoco.mjtWrap.mjWRAP_JOINT and model.tendon_width[tendon] > 0
+    return first != mujoco.mjtWrap.mjWRAP_JOINT and float(model.tendon_width[tendon]) > 0
 
 
 def _listed(model: Any, kind: str, ids: list[int]) -> str:

@@ -1,8 +1,8 @@
 """Curved geoms drawn with as many facets as their size on the image asks for.
 
-MuJoCo draws every sphere, capsule, cylinder and ellipsoid from unit shapes whose number of slices is the same for
-all. Here coarser unit shapes are compiled beside its own, and each geom of a picture is pointed at the coarsest
-that is fine enough, by drawing it as a mesh: a display list under the geom's own turn and size.
+MuJoCo draws every sphere, capsule, cylinder and ellipsoid from unit shapes whose number of slices is the
+same for all. Here unit shapes of several numbers are compiled beside its own, and each geom of a picture is
+pointed at the coarsest that is fine enough: drawn as a mesh, a display list under its own turn and size.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from rigsim.rig.arrays import Array, Ids
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.pose import Pose
 
-FINEST = 256
+LEVELS: tuple[int, ...] = (16, 32, 64, 128, 256)
+"""Numbers of slices, coarsest first."""
+FINEST = LEVELS[-1]
 """Slices of what is largest on the image."""
-LEVELS: tuple[int, ...] = (16, 32, 64, 128)
-"""Coarser numbers of slices."""
 SAG_PX = 0.04
-"""Farthest that a facet may lie inside its surface, px on the image, until `FINEST` is reached: what 256 slices
-leave of a sphere 1000 px wide."""
+"""Farthest that a facet's edge may lie inside its circle, px on the image, until `FINEST` is reached: what
+256 slices leave of a circle 1000 px wide. The middle of a sphere's facet lies twice as far inside."""
 CURVED = (
     mujoco.mjtGeom.mjGEOM_SPHERE,
     mujoco.mjtGeom.mjGEOM_CAPSULE,
@@ -40,11 +40,15 @@ _WHOLE = {
     mujoco.mjtGeom.mjGEOM_ELLIPSOID: _SPHERE,
     mujoco.mjtGeom.mjGEOM_CYLINDER: _CYLINDER,
 }
+_STRAIGHT = (_CYLINDER, _OPEN)
+_RINGS = 16  # along what is straight: for the light on it, as many as MuJoCo's own
+_UNSEEN = 32  # slices of what is only seen by its shadow
+_RGB = mujoco.mjtTextureRole.mjTEXROLE_RGB.value
 _ROLES = mujoco.mjtTextureRole.mjNTEXROLE.value
 _MESH = mujoco.mjtGeom.mjGEOM_MESH.value
 _COPIED = tuple(name for name in dir(mujoco.MjvGeom) if not name.startswith("_"))
 _EMPTY = """<mujoco><visual><global offwidth="8" offheight="8"/>
-<quality numslices="{0}" numstacks="{0}" numquads="{1}" shadowsize="0" offsamples="0"/></visual></mujoco>"""
+<quality numslices="{}" numstacks="{}" numquads="{}" shadowsize="0" offsamples="0"/></visual></mujoco>"""
 
 
 def slices(radius_px: Array) -> Array:
@@ -53,7 +57,7 @@ def slices(radius_px: Array) -> Array:
     The chord of one of n slices lies ``r (1 - cos(pi / n))`` inside its circle, about ``r pi^2 / (2 n^2)``.
     """
     need = math.pi * np.sqrt(np.asarray(radius_px) / (2 * SAG_PX))
-    return np.asarray(np.array([*LEVELS, FINEST])[np.searchsorted(LEVELS, need)])
+    return np.asarray(np.array(LEVELS)[np.searchsorted(LEVELS[:-1], need)])
 
 
 def radii_px(model: Any, data: Any, world_from_camera: Pose, lens: Intrinsics) -> Array:
@@ -64,55 +68,66 @@ def radii_px(model: Any, data: Any, world_from_camera: Pose, lens: Intrinsics) -
     size = model.geom_size
     round_m = np.where(model.geom_type == mujoco.mjtGeom.mjGEOM_ELLIPSOID, size.max(axis=1), size[:, 0])
     offset_camera = world_from_camera.inverse.apply(data.geom_xpos)
-    distance = np.linalg.norm(offset_camera, axis=1)
-    corner = math.hypot(
-        max(lens.cx, lens.width - lens.cx) / lens.fx, max(lens.cy, lens.height - lens.cy) / lens.fy
+    distance = np.maximum(np.linalg.norm(offset_camera, axis=1), 1e-9)
+    wide = math.atan(
+        math.hypot(
+            max(lens.cx, lens.width - lens.cx) / lens.fx, max(lens.cy, lens.height - lens.cy) / lens.fy
+        )
     )
-    slant = np.clip(offset_camera[:, 2] / np.maximum(distance, 1e-9), 1 / math.hypot(1, corner), 1.0)
+    off_axis = np.arccos(np.clip(offset_camera[:, 2] / distance, -1, 1))
+    about = np.arcsin(np.clip(model.geom_rbound / distance, 0, 1))
     nearest = np.maximum(distance - model.geom_rbound, 1e-3)
-    return np.asarray(round_m * max(lens.fx, lens.fy) / nearest / slant**2)
+    radius = round_m * max(lens.fx, lens.fy) / nearest / np.cos(np.minimum(off_axis, wide)) ** 2
+    most = 2 * SAG_PX * (_UNSEEN / math.pi) ** 2
+    in_sight = (off_axis - about < wide) | (about >= math.pi / 2)
+    return np.asarray(np.where(in_sight, radius, np.minimum(radius, most)))
 
 
 class Facets:
-    """Coarse unit shapes in the GL context that is current when this is made; `free` them."""
+    """Unit shapes in the GL context that is current, each compiled when it is first needed; `free` them."""
 
     def __init__(self, context: Any, quads: int) -> None:
-        """Compile the shapes beside those of `context`, the mujoco.MjrContext that draws boxes of `quads`."""
+        """Begin with none beside those of `context`, the mujoco.MjrContext that draws boxes of `quads`."""
         self._context = context
-        self._textures = np.array(context.mat_texid).reshape(-1, _ROLES)[
-            :, mujoco.mjtTextureRole.mjTEXROLE_RGB
-        ]
+        self._quads = quads
+        self._textures = np.array(context.mat_texid).reshape(-1, _ROLES)[:, _RGB]
         self._kinds = np.array(context.textureType)
         self._own = context.baseBuiltin
-        self._coarse = {}
-        for n in LEVELS:
-            empty = mujoco.MjModel.from_xml_string(_EMPTY.format(n, quads))
-            self._coarse[n] = mujoco.MjrContext(empty, mujoco.mjtFontScale.mjFONTSCALE_50.value)
+        self._shapes: dict[tuple[int, int], Any] = {}
 
     def apply(self, scene: Any, counts: Ids) -> None:
-        """Point the curved geoms of a mujoco.MjvScene at unit shapes with `counts` slices, (ngeom of the model,)."""
-        others = [1]
+        """Point the curved geoms of a mujoco.MjvScene at shapes of `counts` slices, (ngeom of the model,)."""
+        others = []
         for i in range(scene.ngeom):
             geom = scene.geoms[i]
             if geom.objtype != mujoco.mjtObj.mjOBJ_GEOM or geom.type not in CURVED:
                 continue
             n = int(counts[geom.objid])
-            if n == FINEST or self._painted(geom) or scene.ngeom + 2 > scene.maxgeom:
+            if self._painted(geom) or scene.ngeom + 2 > scene.maxgeom:
                 others.append(n)
             elif geom.type == _CAPSULE:
                 self._split(scene, geom, n)
             else:
                 self._draw_as(geom, n, _WHOLE[geom.type], geom.size)
         # those that no mesh can stand for share one fineness
-        n = max(others)
-        self._context.baseBuiltin = self._coarse[n].baseBuiltin if n in self._coarse else self._own
+        self._context.baseBuiltin = self._shape(max(others), _SPHERE) if others else self._own
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)
 
     def free(self) -> None:
         """Give the shapes back."""
-        for coarse in self._coarse.values():
-            coarse.free()
-        self._coarse = {}
+        for shape in self._shapes.values():
+            shape.free()
+        self._shapes = {}
         self._context.baseBuiltin = self._own
+
+    def _shape(self, n: int, shape: int) -> int:
+        """The display list of a unit shape of n slices."""
+        stacks = _RINGS if shape in _STRAIGHT else n // 2  # a stack spans as great an angle as a slice
+        key = (n, min(stacks, n // 2))
+        if key not in self._shapes:
+            empty = mujoco.MjModel.from_xml_string(_EMPTY.format(*key, self._quads))
+            self._shapes[key] = mujoco.MjrContext(empty, mujoco.mjtFontScale.mjFONTSCALE_50.value)
+        return int(self._shapes[key].baseBuiltin) + shape
 
     def _split(self, scene: Any, geom: Any, n: int) -> None:
         """A capsule is a tube and two caps."""
@@ -130,7 +145,7 @@ class Facets:
     def _draw_as(self, geom: Any, n: int, shape: int, size: Any) -> None:
         geom.mat[:] = geom.mat * np.asarray(size)
         geom.type = _MESH
-        geom.dataid = self._coarse[n].baseBuiltin + shape - self._context.baseMesh
+        geom.dataid = self._shape(n, shape) - self._context.baseMesh
 
     def _painted(self, geom: Any) -> bool:
         """Whether the geom wears a flat texture, which MuJoCo lays over a mesh in another way."""

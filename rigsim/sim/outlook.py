@@ -8,13 +8,14 @@ from rigsim.errors import NothingSeen
 from rigsim.rig.arrays import Array, Ids
 from rigsim.rig.remark import Remark
 from rigsim.sim import rays
+from rigsim.sim.points import depth_edges_m
 from rigsim.sim.scene import NEAR_M, SIDES, Scene
 
 _COLUMNS, _ROWS = 41, 31
 _CLOSE_M = 0.02  # nearer than stereo cameras focus and match
 _CLOSE_SHARE = 0.01  # of a picture
-_MOSTLY = 0.5
-_ENOUGH = 40  # rays, to tell a share by
+_MOSTLY = 0.75
+_ENOUGH = 40  # of 1271 rays, to tell a share by
 
 
 def look_around(scene: Scene) -> list[Remark]:
@@ -30,7 +31,7 @@ def look_around(scene: Scene) -> list[Remark]:
     for side, (depth, geom) in enumerate(views):
         remarks += _close(scene, side, depth, geom)
     remarks += _sky(scene, views)
-    remarks += _hidden(scene, *views[0])
+    remarks += _hidden(scene, views[0][0])
     return remarks
 
 
@@ -52,23 +53,26 @@ def _surrounded(scene: Scene) -> list[Remark]:
         return []
     names = list(dict.fromkeys(f"{scene.object_name(geom)}" for geom in scene.around))
     listed = ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
-    return [
-        Remark(
-            "inside_geom",
-            f"scene {scene.name}: at {scene.mount} a camera sits in or behind {listed}: left out of both pictures "
-            "and of the truth for such a rig; move the mount if that is not meant",
-        )
-    ]
+    text = (
+        f"at {scene.mount} a camera sits in or behind {listed}: left out of both pictures and of the truth "
+        "for such a rig; move the mount if that is not meant"
+    )
+    return [_remark(scene, "inside_geom", text)]
+
+
+def _remark(scene: Scene, code: str, text: str) -> Remark:
+    return Remark(code, f"scene {scene.name}: {text}")
 
 
 def _check_free(scene: Scene, side: int, depth: Array, geom: Ids) -> None:
     if not (depth < NEAR_M).any():
         return
     nearest = int(np.nanargmin(depth))
+    name, gap_mm = scene.object_name(int(geom[nearest])), round(max(float(depth[nearest]), 0.0) * 1e3, 2)
+    where = f"lies in the surface of {name}" if gap_mm == 0 else f"is {gap_mm:g} mm from {name}"
     raise NothingSeen(
-        f"scene {scene.name}: the {SIDES[side]} camera at {scene.mount} lies in the surface of "
-        f"{scene.object_name(int(geom[nearest]))}: {max(depth[nearest], 0) * 1e3:.2g} mm before it, must be >= "
-        f"{NEAR_M * 1e3:g} mm; move the mount, or take another --baseline"
+        f"scene {scene.name}: the {SIDES[side]} camera at {scene.mount} {where}, where nothing can be seen: "
+        f"must be >= {NEAR_M * 1e3:g} mm; move the mount, or take another --baseline"
     )
 
 
@@ -77,49 +81,47 @@ def _close(scene: Scene, side: int, depth: Array, geom: Ids) -> list[Remark]:
     if near.mean() < _CLOSE_SHARE:
         return []
     nearest = int(np.nanargmin(depth))
-    return [
-        Remark(
-            "near_surface",
-            f"scene {scene.name}: {scene.object_name(int(geom[nearest]))} is {depth[nearest] * 1e3:.2g} mm before the "
-            f"{SIDES[side]} camera at {scene.mount}; {near.mean():.0%} of its picture is nearer than "
-            f"{_CLOSE_M * 1e3:g} mm: move the mount if that is not meant",
-        )
-    ]
+    name = scene.object_name(int(geom[nearest]))
+    text = (
+        f"{name} is {depth[nearest] * 1e3:.2g} mm before the {SIDES[side]} camera at {scene.mount}; "
+        f"{near.mean():.0%} of its picture is nearer than {_CLOSE_M * 1e3:g} mm: move the mount if that is "
+        "not meant"
+    )
+    return [_remark(scene, "near_surface", text)]
 
 
 def _sky(scene: Scene, views: list[tuple[Array, Ids]]) -> list[Remark]:
     share = max(float(np.isnan(depth).mean()) for depth, _ in views)
     if not scene.sky or share == 0:
         return []
-    return [
-        Remark(
-            "skybox",
-            f"scene {scene.name}: the skybox {scene.sky} fills {share:.0%} of a picture: it is at infinity and has no "
-            "depth, so what is found on it is not counted",
-        )
-    ]
+    text = (
+        f"the skybox {scene.sky} fills {share:.0%} of a picture: it is at infinity and has no depth, so "
+        "what is found on it is not counted"
+    )
+    return [_remark(scene, "skybox", text)]
 
 
-def _hidden(scene: Scene, depth: Array, geom: Ids) -> list[Remark]:
-    """Of the grid's points that lie in both pictures, how many something nearer hides from the right camera."""
+def _hidden(scene: Scene, depth: Array) -> list[Remark]:
+    """A bin of depth of which the right camera sees next to nothing, as behind a grid."""
     rig = scene.rig
     assert rig is not None
     hit = np.isfinite(depth)
-    uv = _grid(scene, 0)[hit]
-    points_left = np.column_stack([rig.left.normalize(uv), np.ones(len(uv))]) * depth[hit][:, None]
+    uv, depth = _grid(scene, 0)[hit], depth[hit]
+    points_left = np.column_stack([rig.left.normalize(uv), np.ones(len(uv))]) * depth[:, None]
     both = rig.right.contains(rig.project(points_left)[1])
-    if both.sum() < _ENOUGH:
+    if not both.any():
         return []
-    points_world = scene.world_from_camera(0).apply(points_left[both])
-    seen = rays.sees(scene, 1, points_world)
-    if seen.mean() >= 1 - _MOSTLY:
+    depth = depth[both]
+    hidden = ~rays.sees(scene, 1, scene.world_from_camera(0).apply(points_left[both]))
+    edges = depth_edges_m(float(depth.min()), float(depth.max()))
+    bins = np.searchsorted(edges[1:-1], depth, side="right")
+    counts, shares = np.bincount(bins), np.bincount(bins, hidden) / np.maximum(np.bincount(bins), 1)
+    worst = int(np.argmax(np.where(counts >= _ENOUGH, shares, 0)))
+    if counts[worst] < _ENOUGH or shares[worst] < _MOSTLY:
         return []
-    names, counts = np.unique(geom[hit][both][~seen], return_counts=True)
-    most = scene.object_name(int(names[np.argmax(counts)]))
-    return [
-        Remark(
-            "mostly_hidden",
-            f"scene {scene.name}: {1 - seen.mean():.0%} of what lies in both pictures, most of it on {most}, is hidden "
-            "from the right camera by something nearer: few points are seen by both",
-        )
-    ]
+    text = (
+        f"of what the left camera sees between {edges[worst]:g} and {edges[worst + 1]:g} m, "
+        f"{shares[worst]:.0%} is hidden from the right camera by something nearer: few points there "
+        "are seen by both"
+    )
+    return [_remark(scene, "mostly_hidden", text)]

@@ -33,7 +33,7 @@ class GlRenderer:
     """One GL context and one model; use it in the thread that made it, and close it."""
 
     def __init__(self, scene: Scene, backend: str, width: int, height: int) -> None:
-        """Make a renderer for pictures up to `width` x `height` px; with `backs`, sheets are drawn from behind too.
+        """Make a renderer for pictures up to `width` x `height` px; with `backs` it draws sheets' backs too.
 
         Raises:
             RenderUnavailable: GL does not start.
@@ -121,11 +121,11 @@ class GlRenderer:
         self._scene.set_lens(side, lens)
         self._camera.fixedcamid = self._scene.camera_ids[side]
         model, data = self._scene.model, self._scene.data
-        # infinite planes and the headlight are laid out about the camera that the MjvScene holds: set it first
+        # infinite planes and the headlight are laid out about the camera that the MjvScene holds: this one
         mujoco.mjv_updateCamera(model, data, self._camera, self._scn)
         every = mujoco.mjtCatBit.mjCAT_ALL.value
         mujoco.mjv_updateScene(model, data, self._options, None, self._camera, every, self._scn)
-        self._facets.apply(self._scn, geom_slices(self._scene, side))
+        self._facets.apply(self._scn, geom_slices(self._scene))
         self._scn.flags[mujoco.mjtRndFlag.mjRND_FOG] = 0
         self._scn.flags[mujoco.mjtRndFlag.mjRND_CULL_FACE] = not self.backs
         check_frustum(lens, read_frustum(self._scn.camera[0], lens.width, lens.height))
@@ -149,10 +149,12 @@ class GlRenderer:
         return table
 
 
-def geom_slices(scene: Scene, side: int) -> Ids:
-    """With how many slices each curved geom is drawn for the placed rig's left (0) or right (1) camera, (ngeom,)."""
-    radius_px = radii_px(scene.model, scene.data, scene.world_from_camera(side), scene.lens(side))
-    return np.asarray(slices(radius_px), dtype=np.int32)
+def geom_slices(scene: Scene) -> Ids:
+    """With how many slices each curved geom is drawn for the placed rig, (ngeom,): alike in both pictures."""
+    radius_px = [
+        radii_px(scene.model, scene.data, scene.world_from_camera(side), scene.lens(side)) for side in (0, 1)
+    ]
+    return np.asarray(slices(np.maximum(*radius_px)), dtype=np.int32)
 
 
 def buffer_size(lens: Intrinsics, supersample: int) -> tuple[int, int]:
@@ -229,7 +231,7 @@ def check_depth(scene: Scene, side: int, depth: Array, segmentation: Ids) -> flo
     drawn, drawn_geom = depth[v, u], segmentation[v, u]
     # which of two geoms in the same place is seen is a matter of rounding: only the depth must agree
     error = np.abs(drawn - exact)
-    allowed = np.maximum(_allowed(scene, side, geom, exact), _allowed(scene, side, drawn_geom, exact))
+    allowed = np.maximum(_allowed(scene, geom, exact), _allowed(scene, drawn_geom, exact))
     wrong = ~(error <= allowed)
     if wrong.mean() > 0.02:
         excess = np.where(np.isnan(error), np.inf, error / allowed)
@@ -244,10 +246,10 @@ def check_depth(scene: Scene, side: int, depth: Array, segmentation: Ids) -> flo
     return float(error[flat].max(initial=0.0))
 
 
-def _allowed(scene: Scene, side: int, geom: Ids, exact: Array) -> Array:
+def _allowed(scene: Scene, geom: Ids, exact: Array) -> Array:
     """How far drawn depth may lie off at points of geoms (N,), m."""
     kind = scene.model.geom_type[geom]
-    facets = np.where(np.isin(kind, CURVED), geom_slices(scene, side)[geom], FINEST)
+    facets = np.where(np.isin(kind, CURVED), geom_slices(scene)[geom], FINEST)
     flat = _FLAT_TOLERANCE_M * np.maximum(exact, 1.0)
     chord = _CURVED_TOLERANCE / facets * scene.model.geom_rbound[geom]
     return np.where(np.isin(kind, _EXACT), flat, np.maximum(chord, flat))

@@ -5,6 +5,7 @@ MuJoCo's camera axes (x right, y up, z backward) end in this room; poses that le
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,6 @@ NEAR_M = 0.005
 """Where pictures begin, from the camera along its axis."""
 
 _MIN_FAR_M = 100.0
-_TESSELLATION = 256
 _SHADOW_PX = 2048
 _CAMERA = "rigsim_{}"
 # rays see geoms alone; whatever else MuJoCo can draw is hidden, so that pictures show the same
@@ -60,7 +60,7 @@ class Scene:
     rig: StereoRig | None = None
     """The rig that was placed last."""
     around: tuple[int, ...] = ()
-    """Geoms left out for the placed rig: solids that one of its cameras sits in, planes that one is behind."""
+    """Geoms left out for the placed rig: solids that a camera sits in, planes that one is behind."""
     placements: int = 0
     """How often a rig was placed."""
     own_groups: Any = None
@@ -112,7 +112,7 @@ class Scene:
         self._leave_out()
 
     def _leave_out(self) -> None:
-        """Hide what surrounds a camera from pictures and rays, and show again what surrounded an earlier rig's."""
+        """Hide what surrounds a camera from pictures and rays, and show what surrounded an earlier rig's."""
         self.model.geom_group[:] = self.own_groups
         visible = around.shown(self.model, self.geom_groups)
         found = []
@@ -167,22 +167,10 @@ def load_scene(scene: str, mount: str | None = None) -> Scene:
         InvalidScene: the file is missing or broken, or the mount is unknown.
     """
     path = library.find(scene)
-    spec = _read(path)
+    with warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always")
+        spec, model = _compile(path)
     boards = _boards(spec)
-    for side in SIDES:
-        spec.worldbody.add_camera(
-            name=_CAMERA.format(side),
-            resolution=[1, 1],
-            sensor_size=[1.0, 1.0],
-            focal_pixel=[1.0, 1.0],
-        )
-    try:
-        apply_textures(spec)
-        model = spec.compile()
-    except (ValueError, RuntimeError) as error:
-        if isinstance(error, InvalidScene):
-            raise
-        raise InvalidScene(f"{path}: {_one_line(error)}: mend the file") from None
     data = mujoco.MjData(model)
     if model.nkey:
         mujoco.mj_resetDataKeyframe(model, data, 0)
@@ -190,7 +178,7 @@ def load_scene(scene: str, mount: str | None = None) -> Scene:
     kind, name = _choose_mount(model, mount, path)
     world_from_rig = _world_from_mount(model, data, kind, name)
     label = path.parent.name if path.name == "scene.xml" else path.stem
-    remarks = elements.left_out(model, label)
+    remarks = (*elements.warned(label, warned), *elements.left_out(model, label))
     _set_render_limits(model, data, world_from_rig.t)
     around.hide(model, around.never_drawn(model, data))
     return Scene(
@@ -205,6 +193,25 @@ def load_scene(scene: str, mount: str | None = None) -> Scene:
         elements.textured_sky(model),
         own_groups=model.geom_group.copy(),
     )
+
+
+def _compile(path: Path) -> tuple[Any, Any]:
+    """The file's MjSpec with two cameras, and its MjModel."""
+    spec = _read(path)
+    for side in SIDES:
+        spec.worldbody.add_camera(
+            name=_CAMERA.format(side),
+            resolution=[1, 1],
+            sensor_size=[1.0, 1.0],
+            focal_pixel=[1.0, 1.0],
+        )
+    try:
+        apply_textures(spec)
+        return spec, spec.compile()
+    except (ValueError, RuntimeError) as error:
+        if isinstance(error, InvalidScene):
+            raise
+        raise InvalidScene(f"{path}: {_one_line(error)}: mend the file") from None
 
 
 def _read(path: Path) -> Any:
@@ -264,7 +271,7 @@ def _world_from_mount(model: Any, data: Any, kind: str, name: str) -> Pose:
 
 
 def _set_render_limits(model: Any, data: Any, mount_world: Array) -> None:
-    """Clip planes, tessellation and shadows that keep the picture true, whatever the file says."""
+    """Clip planes and shadows that keep the picture true, whatever the file says."""
     old_extent = float(model.stat.extent)
     reach = float(
         (np.linalg.norm(data.geom_xpos - mount_world, axis=1) + _radius(model)).max(initial=_MIN_FAR_M)
@@ -276,8 +283,6 @@ def _set_render_limits(model: Any, data: Any, mount_world: Array) -> None:
     model.vis.map.fogstart *= old_extent
     model.vis.map.fogend *= old_extent
     model.vis.map.shadowclip *= old_extent
-    model.vis.quality.numslices = max(model.vis.quality.numslices, _TESSELLATION)
-    model.vis.quality.numstacks = max(model.vis.quality.numstacks, _TESSELLATION)
     model.vis.quality.shadowsize = min(model.vis.quality.shadowsize, _SHADOW_PX)
 
 

@@ -151,7 +151,7 @@ class Simulator:
         raise first
 
     def _looked(self) -> None:
-        """Look at what the placed rig has before it, once: note what is odd, and refuse a camera in a surface."""
+        """Look at what the placed rig has before it, once: note what is odd, refuse a camera in a wall."""
         from rigsim.sim.outlook import look_around
 
         self._placed()
