@@ -111,16 +111,9 @@ class Intrinsics:
     def project(self, points_camera: npt.ArrayLike) -> Array:
         """Project points (..., 3) m in the camera's frame to uv (..., 2) px.
 
-        NaN where z <= 0 or where the distorted lens shows nothing (`BrownConrady.fold_radius2`).
+        NaN where z <= 0 or where the distorted lens shows nothing (`BrownConrady.shows`).
         """
-        points = np.asarray(points_camera, dtype=np.float64)
-        z = points[..., 2:]
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            normalized = np.where(z > 0, points[..., :2] / z, np.nan)
-            if self.distortion is not None:
-                shown = (normalized**2).sum(axis=-1, keepdims=True) < self.distortion.fold_radius2
-                normalized = np.where(shown, normalized, np.nan)
-        return self.denormalize(normalized)
+        return self.denormalize(self._seen(np.asarray(points_camera, dtype=np.float64)))
 
     def denormalize(self, normalized: npt.ArrayLike) -> Array:
         """Map undistorted normalised coordinates (..., 2) to pixels (..., 2)."""
@@ -135,21 +128,30 @@ class Intrinsics:
         return xy if self.distortion is None else self.distortion.undistort(xy)
 
     def jacobian(self, points_camera: Array) -> Array:
-        """Derivative (..., 2, 3) px/m of `project` with respect to the point; NaN where z <= 0."""
-        x, y, z = points_camera[..., 0], points_camera[..., 1], points_camera[..., 2]
+        """Derivative (..., 2, 3) px/m of `project` with respect to the point; NaN where that is."""
+        z = points_camera[..., 2]
+        normalized = self._seen(points_camera)
         J = np.zeros((*points_camera.shape[:-1], 2, 3))
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            inverse_z = np.where(z > 0, 1 / z, np.nan)
+            inverse_z = np.where(np.isfinite(normalized[..., 0]), 1 / z, np.nan)
             J[..., 0, 0] = inverse_z
             J[..., 1, 1] = inverse_z
-            J[..., 0, 2] = -x * inverse_z**2
-            J[..., 1, 2] = -y * inverse_z**2
+            J[..., 0, 2] = -normalized[..., 0] * inverse_z
+            J[..., 1, 2] = -normalized[..., 1] * inverse_z
             if self.distortion is not None:
-                normalized = points_camera[..., :2] * inverse_z[..., None]
                 J = self.distortion.jacobian(normalized) @ J
         J[..., 0, :] *= self.fx
         J[..., 1, :] *= self.fy
         return J
+
+    def _seen(self, points_camera: Array) -> Array:
+        """Undistorted normalised coordinates (..., 2) of points (..., 3); NaN where the camera shows none."""
+        z = points_camera[..., 2:]
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            normalized = np.where(z > 0, points_camera[..., :2] / z, np.nan)
+            if self.distortion is not None:
+                normalized = np.where(self.distortion.shows(normalized)[..., None], normalized, np.nan)
+        return normalized
 
     def supersampled(self, k: int) -> Intrinsics:
         """The same camera with k x k pixels in the place of one; averaged, they are the old pixel."""
