@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rigsim.errors import InvalidRig
-from rigsim.rig import undistortion
+from rigsim.rig import given, undistortion
 from rigsim.rig.arrays import Array, Mask
 
 
@@ -23,7 +23,7 @@ class BrownConrady:
 
     def __post_init__(self) -> None:
         for name in ("k1", "k2", "p1", "p2", "k3"):
-            value = float(getattr(self, name))
+            value = given.real(getattr(self, name), f"distortion {name}", InvalidRig)
             if not np.isfinite(value):
                 raise InvalidRig(f"distortion {name} {value}: must be a finite number")
             object.__setattr__(self, name, value)

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rigsim.errors import InvalidRig
+from rigsim.rig import given
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.distortion import BrownConrady
 
@@ -37,18 +38,23 @@ class Intrinsics:
     """Lens distortion; None is the ideal pinhole."""
 
     def __post_init__(self) -> None:
-        for name, size in (("width", self.width), ("height", self.height)):
-            if not float(size).is_integer() or size < 1:
+        for name, unknown in (("width", self.width), ("height", self.height)):
+            size = given.real(unknown, f"image {name}", InvalidRig)
+            if not size.is_integer() or size < 1:
                 raise InvalidRig(f"image {name} {size:g} px: must be a whole number >= 1")
             object.__setattr__(self, name, int(size))
-        for name, value in (("fx", self.fx), ("fy", self.fy)):
+        for name, length in (("fx", self.fx), ("fy", self.fy)):
+            value = given.real(length, f"focal length {name}", InvalidRig)
             if not (math.isfinite(value) and value > 0):
                 raise InvalidRig(f"focal length {name} {value:g} px: must be > 0")
-            object.__setattr__(self, name, float(value))
-        for name, value in (("cx", self.cx), ("cy", self.cy)):
+            object.__setattr__(self, name, value)
+        for name, place in (("cx", self.cx), ("cy", self.cy)):
+            value = given.real(place, f"principal point {name}", InvalidRig)
             if not math.isfinite(value):
                 raise InvalidRig(f"principal point {name} {value:g} px: must be a finite number")
-            object.__setattr__(self, name, float(value))
+            object.__setattr__(self, name, value)
+        if self.distortion is not None:
+            given.a(BrownConrady, self.distortion, "a BrownConrady or None: the lens distortion", InvalidRig)
         if self.distortion == BrownConrady():
             object.__setattr__(self, "distortion", None)
 
@@ -69,25 +75,30 @@ class Intrinsics:
             height,
             focal_px,
             focal_px,
-            (width - 1) / 2 if cx is None else cx,
-            (height - 1) / 2 if cy is None else cy,
+            (given.real(width, "image width", InvalidRig) - 1) / 2 if cx is None else cx,
+            (given.real(height, "image height", InvalidRig) - 1) / 2 if cy is None else cy,
             distortion,
         )
 
     @classmethod
     def from_hfov(cls, width: int, height: int, hfov_deg: float) -> Intrinsics:
         """Square pixels and a horizontal field of view across the full image width, deg."""
+        wide = given.real(width, "image width", InvalidRig)
+        hfov_deg = given.real(hfov_deg, "horizontal field of view", InvalidRig)
         if not (math.isfinite(hfov_deg) and 0 < hfov_deg < 180):
             raise InvalidRig(f"horizontal field of view {hfov_deg:g} deg: must be > 0 and < 180")
-        return cls.from_focal(width, height, width / 2 / math.tan(math.radians(hfov_deg) / 2))
+        return cls.from_focal(width, height, wide / 2 / math.tan(math.radians(hfov_deg) / 2))
 
     @classmethod
     def from_lens(cls, width: int, height: int, focal_mm: float, sensor_width_mm: float) -> Intrinsics:
         """Square pixels, a focal length in mm and the active sensor width in mm."""
+        wide = given.real(width, "image width", InvalidRig)
+        focal_mm = given.real(focal_mm, "focal length", InvalidRig)
+        sensor_width_mm = given.real(sensor_width_mm, "sensor width", InvalidRig)
         for name, value in (("focal length", focal_mm), ("sensor width", sensor_width_mm)):
             if not (math.isfinite(value) and value > 0):
                 raise InvalidRig(f"{name} {value:g} mm: must be > 0")
-        return cls.from_focal(width, height, focal_mm * width / sensor_width_mm)
+        return cls.from_focal(width, height, focal_mm * wide / sensor_width_mm)
 
     @property
     def K(self) -> Array:

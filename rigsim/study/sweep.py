@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from rigsim.errors import InvalidRange, InvalidScene
+from rigsim.rig import given
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
 from rigsim.study import verdict as words
@@ -22,7 +23,7 @@ from rigsim.theory.triangulation import resolve
 
 
 def sweep(
-    rigs: RigGrid | Iterable[StereoRig],
+    rigs: RigGrid | StereoRig | Iterable[StereoRig],
     plan: Plan | None = None,
     *,
     jobs: int = 1,
@@ -42,12 +43,13 @@ def sweep(
         TriangulatorError: a triangulator is unknown, raises or returns the wrong thing.
         RenderUnavailable: the renderer asked for does not work here.
     """
-    plan = plan or Plan()
+    plan = given.a(Plan, plan or Plan(), "a Plan: what is simulated")
+    jobs = int(given.real(jobs, "jobs"))
     if jobs < 1:
         raise InvalidRange(f"jobs {jobs}: must be >= 1")
     for method in plan.triangulators:
         resolve(method)  # fail before anything is drawn
-    todo = rigs if isinstance(rigs, RigGrid) else list(rigs)
+    todo = rigs if isinstance(rigs, RigGrid) else _rigs(rigs)
     if len(todo) == 0:
         raise InvalidRange("no rig to sweep: give at least one")
     rows: list[Row] = []
@@ -70,6 +72,11 @@ def sweep(
             complete = False
         lens_note = rigs.lens_note if isinstance(rigs, RigGrid) else ""
         return _conclude(rows, by_depth, done, plan, simulator, lens_note, complete)
+
+
+def _rigs(rigs: object) -> list[StereoRig]:
+    """One rig, or several."""
+    return [given.a(StereoRig, rig, "a StereoRig, several, or a RigGrid") for rig in given.several(rigs)]
 
 
 def _conclude(
