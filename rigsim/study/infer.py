@@ -172,7 +172,7 @@ def infer_disparity_noise(rig: StereoRig, errors: DepthErrors) -> Inference:
     stds_px = np.sqrt(a) * steady / gain(steady)
     bias, more = None, 0.0
     # a scale changes the noise in px that a depth tells, and that the trust in each mean: so twice
-    for _ in range(2 if errors.biases_m is not None else 0):
+    for _ in range(0 if errors.biases_m is None else 1 if errors.counts is None else 2):
         variances = None
         if freedom is not None and errors.counts is not None:
             variances = smoothed_px(stds_px, freedom) ** 2 * (1 + 8 * a) / errors.counts

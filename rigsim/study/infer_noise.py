@@ -63,11 +63,13 @@ def without_noise(means: Array, stds: Array, means_known: bool) -> tuple[Array, 
     """
     steady, a = means, (stds / means) ** 2
     for _ in range(_STEPS):
-        square = (stds / steady) ** 2
+        before, square = a, (stds / steady) ** 2
         # it grows faster than a straight line, so Newton's steps come down to the root
         a = np.maximum(a - (a + 8 * a**2 + 69 * a**3 - square) / (1 + 16 * a + 207 * a**2), 0.0)
         if means_known:
             steady = means / (1 + a + 3 * a**2)
+        if (np.abs(a - before) <= 1e-15 * a).all():
+            break
     return steady, a
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy import stats
@@ -16,7 +17,7 @@ NORMAL = float(stats.norm.ppf((1 + CONFIDENCE) / 2))
 """Standard deviations to the ends of a normal interval."""
 _LEAST = 0.8
 _STEPS = 50
-_STILL = 1e-12
+_STILL = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +62,7 @@ def random_effects(
     return Effects(found, ses, between, reach)
 
 
+@lru_cache(maxsize=64)
 def _student(freedom: int) -> float:
     """Standard errors to the end of an interval; the normal's where nothing is left over."""
     return float(stats.t.ppf((1 + CONFIDENCE) / 2, freedom)) if freedom else NORMAL
