@@ -12,7 +12,8 @@ from rigsim._version import __version__
 
 if TYPE_CHECKING:
     from rigsim.errors import RigsimError
-    from rigsim.interop.rig_toml import read_rig, write_rig
+    from rigsim.interop.calibration import read_rig
+    from rigsim.interop.rig_toml import write_rig
     from rigsim.rig.distortion import BrownConrady
     from rigsim.rig.intrinsics import Intrinsics
     from rigsim.rig.noise import PixelNoise
@@ -39,7 +40,8 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "rigsim.errors": ("RigsimError",),
-    "rigsim.interop.rig_toml": ("read_rig", "write_rig"),
+    "rigsim.interop.calibration": ("read_rig",),
+    "rigsim.interop.rig_toml": ("write_rig",),
     "rigsim.rig.distortion": ("BrownConrady",),
     "rigsim.rig.intrinsics": ("Intrinsics",),
     "rigsim.rig.noise": ("PixelNoise",),

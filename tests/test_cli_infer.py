@@ -148,7 +148,7 @@ def test_people_get_tables_that_fit(
     assert run(["infer", "--data", str(wall), "--preset", "d455", "--to", "oak-d", "--at", "1m,200m"]) == 0
     shown = capsys.readouterr().out
     assert all(len(line) <= 80 for line in shown.splitlines())
-    assert shown.startswith("Stereo noise can explain it: the error grows as distance to the power 1.97")
+    assert shown.startswith("Stereo noise can explain it: the error grows as distance to the power 1.96")
     for words in ("disparity std", "disparity offset", "bias share", "disparity under 4 sigma"):
         assert words in shown
 
@@ -216,6 +216,78 @@ def test_bad_files_are_one_line(
     assert captured.out == ""
     assert len(captured.err.splitlines()) == 1
     assert says in captured.err
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "says"),
+    [
+        # 5 m of 10 m is 2 sigma
+        (
+            "--claim 50%@10m --preset oak-d",
+            "far_too_noisy",
+            "under 4 of its own standard deviations at 10000 mm (2",
+        ),
+        # f B 66.1875 px m: 132.375 - 6.61875 = 125.756 px nearer, 6.61875 - 4.4125 = 2.20625 px farther
+        (
+            "--claim 0.5:15m@10m --preset oak-d",
+            "uneven_bounds",
+            "126 px of disparity away and the far one 2.21 px",
+        ),
+        ("--claim 1m@20mm --preset oak-d", "unit", "check the distances, the errors and the rig"),
+        ("--data metres.csv --preset d455", "unit", "are these metres? Columns are in mm; times 1000"),
+        ("--data mixed.csv --preset d455", "unit", "is the standard deviation in metres"),
+    ],
+)
+def test_odd_input_gets_a_remark_and_an_answer(
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    words: str,
+    code: str,
+    says: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("metres.csv").write_text("distance_mm,depth_std_mm\n1,0.003\n2,0.0125\n4,0.049\n")
+    Path("mixed.csv").write_text("distance_mm,depth_std_mm\n1000,0.003\n2000,0.0125\n4000,0.049\n")
+    assert run(["infer", *words.split(), "--json"]) == 0
+    shown = capsys.readouterr()
+    told = [remark for remark in json.loads(shown.out)["remarks"] if remark["code"] == code]
+    assert len(told) == 1
+    assert says in told[0]["text"]
+    assert f"rigsim: note: {told[0]['text']}" in shown.err
+
+
+def test_usual_input_gets_no_remark(infer: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    wall = tmp_path / "wall.csv"
+    wall.write_text(WALL)
+    assert infer(f"--data {wall} --preset d455")["remarks"] == []
+    assert infer("--claim 8.1:13.1m@10m --preset oak-d")["remarks"] == []
+    assert capsys.readouterr().err == ""
+
+
+def test_a_bias_that_cannot_be_is_one_line(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    wall = tmp_path / "wall.csv"
+    wall.write_text(WALL.replace("1000,3.1,1,", "1000,3.1,-1000,"))
+    assert run(["infer", "--data", str(wall), "--preset", "oak-d"]) == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert shown.err == (
+        "rigsim: error: distance 1000 mm with a bias of -1000 mm: the mean measured depth must be > 0;"
+        " a bias is measured minus true, in mm\n"
+    )
+
+
+def test_a_shift_of_all_disparities_is_told_as_it_is(infer: Any, tmp_path: Path) -> None:
+    # D435, f B 424 px x 50 mm = 21.2 px m, all disparities .7 px too small: 21.2 / (21.2/Z - .7), by hand
+    wall = tmp_path / "wall.csv"
+    rows = ["distance_mm,depth_std_mm,depth_bias_mm,n"]
+    for z_mm, measured_mm in ((500, 508.3933), (1000, 1034.1463), (2000, 2141.4141), (4000, 4608.6957)):
+        rows.append(f"{z_mm},{0.01 * measured_mm**2 / 21200},{measured_mm - z_mm},400")
+    wall.write_text("\n".join(rows))
+    answer = infer(f"--data {wall} --focal 424 --baseline 50mm --resolution 848x480")["bias"]
+    assert answer["disparity_offset_px"] == pytest.approx(-0.7, abs=1e-3)
+    assert answer["scale_pct"] == pytest.approx(0.0, abs=0.01)
+    assert answer["disparity_offset_ci_low_px"] < -0.7 < answer["disparity_offset_ci_high_px"]
 
 
 def test_files_from_spreadsheets_are_read(infer: Any, tmp_path: Path) -> None:

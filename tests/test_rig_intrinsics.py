@@ -77,6 +77,71 @@ def test_the_first_fold_counts() -> None:
     assert BrownConrady(k1=5e-324).fold_radius2 == math.inf
 
 
+def test_what_a_lens_shows_is_found_again_up_to_its_fold() -> None:
+    # slope 1 + .75 s + s^2 - 1.75 s^3 vanishes at s = 1.26626; r = 1 and r = 1.1 by hand:
+    # 1 (1 + .25 + .2 - .25) = 1.2 and 1.1 (1 + .25*1.21 + .2*1.4641 - .25*1.771561) = 1.267672725
+    lens = BrownConrady(k1=0.25, k2=0.2, k3=-0.25)
+    close(lens.fold_radius2, 1.2662629711920275)
+    close(lens.undistort(np.array([[1.2, 0.0], [0.0, -1.267672725]])), [[1.0, 0.0], [0.0, -1.1]], rtol=1e-8)
+    # Newton's method from the distorted radius swings between .0037 and 1.0891 for ever here
+    cycle = BrownConrady(k1=0.011821624700256717, k2=0.4504636963259353, k3=-0.35584038728036627)
+    ideal = np.array([[0.9796696666989924, 0.0]])
+    close(cycle.undistort(cycle.distort(ideal)), ideal)
+
+
+@pytest.mark.parametrize("tangential", [0.0, 0.003, 0.02])
+def test_random_lenses_are_inverted_wherever_they_show(tangential: float) -> None:
+    rng = np.random.default_rng(8)
+    for _ in range(60):
+        k1, k2, k3 = rng.uniform(-0.5, 0.5, 3)
+        lens = BrownConrady(k1, k2, *rng.uniform(-tangential, tangential, 2), k3)
+        camera = Intrinsics.from_focal(1280, 720, float(rng.uniform(300, 2000)), distortion=lens)
+        radius = min(math.sqrt(lens.fold_radius2), 3.0) * np.sqrt(rng.random(1000))
+        angle = rng.uniform(0, 2 * np.pi, 1000)
+        points = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.ones(1000)], axis=1)
+        uv = camera.project(points)
+        shown = camera.contains(uv)
+        ideal = camera.normalize(uv[shown])
+        assert np.isfinite(ideal).all()
+        assert np.abs(camera.project(np.c_[ideal, np.ones(len(ideal))]) - uv[shown]).max(initial=0) < 1e-9
+        # the radial fold is sharp: what lies past its image is shown by nothing
+        if not tangential and math.isfinite(lens.fold_radius2):
+            edge = math.sqrt(lens.fold_radius2) * (1 - 1e-9)
+            reach = lens.distort(np.array([[edge, 0.0]]))[0, 0]
+            assert np.isnan(lens.undistort(np.array([[reach * 1.0001, 0.0], [0.0, 30.0]]))).all()
+
+
+@given(st.tuples(*5 * [st.floats(-0.5, 0.5)]), st.floats(0, 1), st.floats(0, 2 * math.pi))
+def test_any_lens_is_inverted_within_its_fold(terms: tuple[float, ...], share: float, angle: float) -> None:
+    k1, k2, p1, p2, k3 = terms
+    lens = BrownConrady(k1, k2, p1 / 25, p2 / 25, k3)
+    radius = share * min(math.sqrt(lens.fold_radius2), 2.0)
+    ideal = radius * np.array([[math.cos(angle), math.sin(angle)]])
+    seen = lens.shows(ideal)
+    distorted = lens.distort(ideal)
+    found = lens.undistort(distorted)[seen]
+    close(lens.distort(found), distorted[seen], rtol=1e-12, atol=1e-12)
+
+
+def test_p1_and_p2_may_fold_what_the_radial_terms_do_not() -> None:
+    # 1 + 3 k1 s + 5 k2 s^2 is least, .049, at s = 1.08; p2 takes 6 * .012 * 1.04 where x < 0
+    lens = BrownConrady(k1=-0.587, k2=0.163, p2=0.012)
+    assert lens.fold_radius2 == math.inf
+    points = np.array([[-1.04, 0.0], [-1.5, 0.0], [1.04, 0.0], [1.5, 0.0]])
+    assert lens.shows(points).tolist() == [False, False, True, True]
+    # the second sheet repeats pixels of the first
+    found = lens.undistort(lens.distort(np.array([[-1.2, 0.0]])))
+    assert not np.isfinite(found).any() or -1.0 < found[0, 0] < 0
+
+
+def test_the_slope_is_unknown_where_the_lens_shows_nothing() -> None:
+    lens = BrownConrady(k1=-0.3)
+    camera = Intrinsics.from_focal(640, 480, 300.0, distortion=lens)
+    points = np.array([[1.05, 0.0, 1.0], [1.06, 0.0, 1.0], [0.1, 0.1, -1.0]])
+    assert np.isnan(camera.jacobian(points)).any(axis=(1, 2)).tolist() == [False, True, True]
+    assert np.isnan(camera.project(points)).any(axis=1).tolist() == [False, True, True]
+
+
 def test_zero_distortion_is_no_distortion() -> None:
     assert Intrinsics.from_focal(640, 480, 500.0, distortion=BrownConrady()).distortion is None
     assert Intrinsics.from_focal(640, 480, 500.0, distortion=LENS).distortion == LENS

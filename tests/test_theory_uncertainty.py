@@ -14,6 +14,7 @@ from scipy.special import dawsn
 
 from rigsim.errors import InvalidRange
 from rigsim.rig.arrays import Array
+from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.pose import Pose
@@ -290,3 +291,21 @@ def test_depth_in_sigmas_counts_both_lenses_and_correlation() -> None:
     np.testing.assert_allclose(alone, [20 / (0.5 * math.sqrt(1 + 1 / 9))], rtol=1e-9)
     together = depth_in_sigmas(rig, [[0.05, 0.0, 5.0]], PixelNoise(0.5, correlation=0.5))
     np.testing.assert_allclose(together, [20 / (0.5 * math.sqrt(1 + 1 / 9 - 1 / 3))], rtol=1e-9)
+
+
+def test_nothing_is_predicted_where_nothing_is_seen() -> None:
+    # k1 = -.3 folds at r^2 = 1/.9: x/z = 1.06 is the last that neither camera shows, and behind is behind
+    lens = Intrinsics.from_focal(640, 480, 300.0, distortion=BrownConrady(k1=-0.3))
+    rig = StereoRig.rectified(lens, 0.1)
+    points = np.array([[0.2, 0.1, 2.0], [2.4, 0.0, 2.0], [-2.05, 0.0, 2.0], [0.0, 0.0, -1.0]])
+    noise = PixelNoise(0.25)
+    unseen = np.isnan(np.concatenate(rig.project(points), axis=1)).any(axis=1)
+    assert unseen.tolist() == [False, True, True, True]
+    for told in (
+        predict_covariance(rig, points, noise)[:, 2, 2],
+        predict_depth_std(rig, points, noise),
+        predict_depth_bias(rig, points, noise),
+        predict_depth_rmse(rig, points, noise)[0],
+        rig.jacobian(points).sum(axis=(1, 2)),
+    ):
+        assert np.isnan(told).tolist() == unseen.tolist()

@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rigsim.cli import quantity
-from rigsim.cli.answer import print_document
+from rigsim.cli.answer import print_document, print_remarks
 from rigsim.cli.options import Json, single_rig, takes_rig
 from rigsim.cli.rigs import DEFAULT_PRESET, RigOptions
 from rigsim.errors import InvalidRange
 
 if TYPE_CHECKING:
+    from rigsim.rig.remark import Remark
     from rigsim.rig.stereo import StereoRig
     from rigsim.study.infer import DepthErrors
 
@@ -67,7 +68,7 @@ def infer(
     if out is not None:
         folder.check_output(out, force)
     rig = single_rig(options, None)
-    errors = _claimed(claim, rig, p95) if claim is not None else _measured(data)
+    errors, said = _claimed(claim, rig, p95) if claim is not None else (_measured(data), [])
     other = None if to is None else _other_rig(to)
 
     import numpy as np
@@ -81,14 +82,17 @@ def infer(
         depths_m = errors.depths_m if depths_mm is None else np.array(depths_mm) / 1e3
         carried = study.transfer(inference, other, depths_m)
     from rigsim.interop.depth_errors import inference_document
+    from rigsim.study.infer_remarks import remarks
 
-    document = inference_document(inference, carried)
+    said += remarks(inference, units_written=claim is not None)
+    document = inference_document(inference, carried, said)
     if out is not None:
         from rigsim.interop.tables import json_bytes
         from rigsim.present.inference_figure import inference_png
 
         files = {"infer.json": json_bytes(document), "infer.png": inference_png(inference, carried)}
         folder.write_folder(out, files, force)
+    print_remarks(said)
     if as_json:
         print_document(document)
     else:
@@ -111,8 +115,8 @@ def _other_rig(word: str) -> StereoRig:
     return RigOptions(preset=word).base(DEFAULT_PRESET)
 
 
-def _claimed(text: str, rig: StereoRig, p95: bool) -> DepthErrors:
-    """The depth errors of ``1%@4m,10mm@3m``.
+def _claimed(text: str, rig: StereoRig, p95: bool) -> tuple[DepthErrors, list[Remark]]:
+    """The depth errors of ``1%@4m,10mm@3m``, and what is odd about them.
 
     Raises:
         InvalidRange: a claim cannot be read, has no unit, is out of bounds, or stands there twice.
@@ -120,7 +124,9 @@ def _claimed(text: str, rig: StereoRig, p95: bool) -> DepthErrors:
     import numpy as np
 
     from rigsim.study.infer import P95, DepthErrors, depth_gain, disparity_of_bounds
+    from rigsim.study.infer_remarks import bounds_remark
 
+    said_of: list[Remark] = []
     depths: list[float] = []
     stds: list[float] = []
     for part in text.split(","):
@@ -139,11 +145,13 @@ def _claimed(text: str, rig: StereoRig, p95: bool) -> DepthErrors:
                 raise InvalidRange(f"claim {part.strip()}: {where} must lie between the two bounds")
             gain = float(depth_gain(rig, np.array([depth_mm / 1e3]))[0]) * 1e3
             std_mm = gain * disparity_of_bounds(rig, near_mm / 1e3, far_mm / 1e3)
+            odd = bounds_remark(rig, part.strip(), near_mm / 1e3, depth_mm / 1e3, far_mm / 1e3)
+            said_of += [odd] if odd is not None else []
         else:
             std_mm = _length(said, "depth error", part)
         depths.append(depth_mm)
         stds.append(std_mm / P95 if p95 else std_mm)
-    return DepthErrors(np.array(depths) / 1e3, np.array(stds) / 1e3)
+    return DepthErrors(np.array(depths) / 1e3, np.array(stds) / 1e3), said_of
 
 
 def _percent(said: str, part: str) -> float:

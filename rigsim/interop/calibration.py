@@ -20,10 +20,12 @@ from rigsim.interop.middlebury import read_calib
 from rigsim.interop.mjcf import parse_rig_xml
 from rigsim.interop.nerfstudio import parse_transforms
 from rigsim.interop.opencv_yaml import parse_opencv_yaml
-from rigsim.interop.rig_toml import read_rig, read_sensor
+from rigsim.interop.rig_toml import read_rig as read_rig_toml
+from rigsim.interop.rig_toml import read_sensor
 from rigsim.interop.ros import FILE_NAMES as ROS_NAMES
 from rigsim.interop.ros import parse_camera_info
 from rigsim.interop.values import read_text
+from rigsim.rig import given
 from rigsim.rig.stereo import StereoRig
 
 if TYPE_CHECKING:
@@ -53,7 +55,7 @@ _KALIBR = re.compile(r"^cam[01]\s*:", re.MULTILINE)
 _ROS = re.compile(r"^(camera_matrix|projection_matrix|distortion_model)\s*:", re.MULTILINE)
 
 
-def read_calibration(path: Path) -> StereoRig:
+def read_calibration(path: str | Path) -> StereoRig:
     """The rig in a calibration file of any format that rigsim writes, or in a folder with one.
 
     rig.toml; OpenCV's stereo.yml; ROS's left.yaml with right.yaml beside it; Kalibr's camchain.yaml;
@@ -67,10 +69,10 @@ def read_calibration(path: Path) -> StereoRig:
         OutputError: it cannot be read, or is a folder with no calibration or with several.
         InvalidRig: it holds no rig that can be, or has its sides exchanged; the message names the file.
     """
-    path = _found(path)
+    path = _found(given.path(path, "calibration file"))
     suffix = path.suffix.lower()
     if suffix not in _PARSERS:
-        return read_rig(path)
+        return read_rig_toml(path)
     rig = _PARSERS[suffix](path)
     if suffix != ".xml" and _sides_exchanged(rig):
         raise InvalidRig(
@@ -78,6 +80,10 @@ def read_calibration(path: Path) -> StereoRig:
             " cameras are exchanged, or the pose between them is inverted; exchange the cameras in the file"
         )
     return rig
+
+
+read_rig = read_calibration
+"""`rigsim.read_rig` reads what ``--rig`` reads."""
 
 
 def calibration_sensor(path: Path) -> Sensor | None:

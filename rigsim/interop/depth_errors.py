@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import csv
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from rigsim.errors import InvalidRange, OutputError
+from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.infer import CONFIDENCE, FEWEST, DepthErrors, Inference, Transfer
 from rigsim.study.infer_words import sentence
@@ -65,7 +67,9 @@ def read_depth_errors(path: Path) -> DepthErrors:
     )
 
 
-def inference_document(inference: Inference, carried: Transfer | None = None) -> dict[str, object]:
+def inference_document(
+    inference: Inference, carried: Transfer | None = None, remarks: Sequence[Remark] = ()
+) -> dict[str, object]:
     """The document that ``rigsim infer --json`` prints; docs/infer.md describes it."""
     fit, bias, errors = inference.fit, inference.bias, inference.errors
     sigma = inference.disparity_std_px
@@ -92,8 +96,12 @@ def inference_document(inference: Inference, carried: Transfer | None = None) ->
         else {
             "disparity_offset_px": bias.disparity_offset_px,
             "disparity_offset_se_px": _finite(bias.disparity_offset_se_px),
+            "disparity_offset_ci_low_px": _finite(bias.offset_interval_px[0]),
+            "disparity_offset_ci_high_px": _finite(bias.offset_interval_px[1]),
             "scale_pct": _finite(100 * bias.scale),
             "scale_se_pct": _finite(100 * bias.scale_se),
+            "scale_ci_low_pct": _finite(100 * bias.scale_interval[0]),
+            "scale_ci_high_pct": _finite(100 * bias.scale_interval[1]),
             "left_rms_mm": bias.left_rms_m * 1e3,
             "share_of_mean_square_pct": 100 * bias.share,
         },
@@ -122,6 +130,7 @@ def inference_document(inference: Inference, carried: Transfer | None = None) ->
                 for i in range(len(carried.depths_m))
             ],
         },
+        "remarks": [{"code": remark.code, "text": remark.text} for remark in remarks],
     }
 
 

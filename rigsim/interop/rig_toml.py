@@ -37,6 +37,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from rigsim.errors import InvalidRig, OutputError
 from rigsim.interop.rig_schema import LARGEST, rig_from_table, sensor_from_table
+from rigsim.rig import given
 from rigsim.rig.arrays import Array
 from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.intrinsics import Intrinsics
@@ -99,6 +100,7 @@ def write_rig(rig: StereoRig, comment: str = "", sensor: Sensor | None = None) -
     name it may have had, so that it stays what it was.
     """
     top = "".join(f"# {line}".rstrip() + "\n" for line in comment.splitlines())
+    given.a(StereoRig, rig, "a StereoRig: the rig to write", InvalidRig)
     short = _short_text(rig)
     body = short if short is not None and parse_rig(short) == rig else _full_text(rig)
     return top + _PREAMBLE + body + ("" if sensor is None else _sensor_text(sensor))

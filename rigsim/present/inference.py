@@ -38,7 +38,7 @@ def print_inference(
                 "disparity offset",
                 number(bias.disparity_offset_px),
                 "px",
-                _standard_error(bias.disparity_offset_se_px),
+                _interval(bias.offset_interval_px),
                 "bias part: yaw, principal point",
             )
         )
@@ -48,7 +48,7 @@ def print_inference(
                     "scale error",
                     number(100 * bias.scale),
                     "%",
-                    _standard_error(100 * bias.scale_se),
+                    _interval(tuple(100 * end for end in bias.scale_interval)),
                     "bias part: baseline, focal length",
                 )
             )
@@ -93,5 +93,6 @@ def print_inference(
         make_console().print(f"Files: {folder}", soft_wrap=True)
 
 
-def _standard_error(value: float) -> str:
-    return "" if math.isnan(value) else f"std error {number(value, 2)}"
+def _interval(ends: tuple[float, ...]) -> str:
+    low, high = ends
+    return "" if math.isnan(low) else f"{number(low, 2)} to {number(high, 2)}"

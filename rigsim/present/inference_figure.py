@@ -47,9 +47,10 @@ def _draw_given(axes: Axes, inference: Inference, columns: int) -> None:
     from rigsim.present import style
 
     errors, sigma = inference.errors, inference.disparity_std_px
-    z, stds_mm = errors.depths_m, 1e3 * errors.stds_m
+    # the noise of a point is that of the depth where it is measured
+    z, stds_mm = errors.means_m, 1e3 * errors.stds_m
     fine = _between(z)
-    gain_mm = 1e3 * depth_gain(inference.rig, fine)
+    gain_mm = 1e3 * inference.explained_gain(fine)
     axes.plot(fine, sigma * gain_mm, color=style.BLUE, label=f"stereo noise, {number(sigma)} px of disparity")
     if not math.isnan(inference.low_px):
         low_mm, high_mm = inference.low_px * gain_mm, inference.high_px * gain_mm
@@ -81,6 +82,8 @@ def _draw_given(axes: Axes, inference: Inference, columns: int) -> None:
     )
     axes.set_title("What was given")
     _finish(axes, fine, np.concatenate(drawn), columns)
+    if errors.biases_m is not None:
+        axes.set_xlabel("mean measured depth, m")
 
 
 def _draw_carried(axes: Axes, inference: Inference, carried: Transfer) -> None:

@@ -7,11 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rigsim.errors import InvalidRig
-from rigsim.rig.arrays import Array
-
-_NEWTON_STEPS = 20
-_CONVERGED = 1e-14
-_ACCEPTED = 1e-9
+from rigsim.rig import given, undistortion
+from rigsim.rig.arrays import Array, Mask
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +23,7 @@ class BrownConrady:
 
     def __post_init__(self) -> None:
         for name in ("k1", "k2", "p1", "p2", "k3"):
-            value = float(getattr(self, name))
+            value = given.real(getattr(self, name), f"distortion {name}", InvalidRig)
             if not np.isfinite(value):
                 raise InvalidRig(f"distortion {name} {value}: must be a finite number")
             object.__setattr__(self, name, value)
@@ -35,10 +32,7 @@ class BrownConrady:
     def fold_radius2(self) -> float:
         """Squared ideal radius (x/z)^2 + (y/z)^2 at which the radial polynomial turns back; infinite if it
         never does. No lens shows what lies beyond: there the polynomial repeats the inner image."""
-        # r (1 + k1 r^2 + k2 r^4 + k3 r^6) has slope 1 + 3 k1 s + 5 k2 s^2 + 7 k3 s^3, s = r^2, here in 1/s
-        roots = np.roots([1.0, 3 * self.k1, 5 * self.k2, 7 * self.k3])
-        real = roots.real[(np.abs(roots.imag) <= 1e-9 * np.abs(roots)) & (roots.real > 1e-12)]
-        return float(1 / real.max()) if real.size else np.inf
+        return undistortion.fold_radius2(self.k1, self.k2, self.k3)
 
     def distort(self, normalized: Array) -> Array:
         """Map ideal (N, 2) to distorted (N, 2) normalised coordinates."""
@@ -67,20 +61,27 @@ class BrownConrady:
         jacobian[..., 1, 1] = radial + y * y * slope + 6 * self.p1 * y + 2 * self.p2 * x
         return jacobian
 
+    def shows(self, normalized: Array) -> Mask:
+        """Whether the lens shows ideal coordinates (..., 2): within the fold, and where p1 and p2 fold
+        nothing either; there `distort` is one to one."""
+        x, y = normalized[..., 0], normalized[..., 1]
+        r2 = x * x + y * y
+        shown = np.asarray(r2 < self.fold_radius2)
+        if self.p1 == 0 and self.p2 == 0:
+            return shown
+        shown = shown & self._is_one_to_one(normalized)
+        for dip2 in undistortion.dips2(self):
+            with np.errstate(divide="ignore", invalid="ignore"):
+                at_dip = normalized * np.sqrt(dip2 / r2)[..., None]
+            shown &= (r2 <= dip2) | self._is_one_to_one(at_dip)
+        return shown
+
+    def _is_one_to_one(self, normalized: Array) -> Mask:
+        """Whether the Jacobian (..., 2, 2), which is symmetric, is positive definite."""
+        J = self.jacobian(normalized)
+        a, b, c = J[..., 0, 0], J[..., 1, 1], J[..., 0, 1]
+        return np.asarray((a * b > c * c) & (a + b > 0))
+
     def undistort(self, distorted: Array) -> Array:
-        """Invert `distort` by Newton's method; NaN where no ideal point maps there."""
-        ideal = np.array(distorted, dtype=np.float64)
-        with np.errstate(all="ignore"):
-            for _ in range(_NEWTON_STEPS):
-                residual = self.distort(ideal) - distorted
-                J = self.jacobian(ideal)
-                det = J[..., 0, 0] * J[..., 1, 1] - J[..., 0, 1] * J[..., 1, 0]
-                ideal[..., 0] -= (J[..., 1, 1] * residual[..., 0] - J[..., 0, 1] * residual[..., 1]) / det
-                ideal[..., 1] -= (J[..., 0, 0] * residual[..., 1] - J[..., 1, 0] * residual[..., 0]) / det
-                if np.nanmax(np.abs(residual), initial=0.0) < _CONVERGED:
-                    break
-            # past the fold Newton finds a root of another branch, or none
-            unmet = ~(np.abs(self.distort(ideal) - distorted).max(axis=-1) < _ACCEPTED)
-            wrong = unmet | ~((ideal**2).sum(axis=-1) < self.fold_radius2)
-        ideal[wrong] = np.nan
-        return ideal
+        """Invert `distort` (..., 2) to rounding; NaN where the lens shows no ideal point."""
+        return undistortion.undistort(self, distorted)

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rigsim.errors import InvalidRig
+from rigsim.rig import given
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.distortion import BrownConrady
 
@@ -37,18 +38,23 @@ class Intrinsics:
     """Lens distortion; None is the ideal pinhole."""
 
     def __post_init__(self) -> None:
-        for name, size in (("width", self.width), ("height", self.height)):
-            if not float(size).is_integer() or size < 1:
+        for name, unknown in (("width", self.width), ("height", self.height)):
+            size = given.real(unknown, f"image {name}", InvalidRig)
+            if not size.is_integer() or size < 1:
                 raise InvalidRig(f"image {name} {size:g} px: must be a whole number >= 1")
             object.__setattr__(self, name, int(size))
-        for name, value in (("fx", self.fx), ("fy", self.fy)):
+        for name, length in (("fx", self.fx), ("fy", self.fy)):
+            value = given.real(length, f"focal length {name}", InvalidRig)
             if not (math.isfinite(value) and value > 0):
                 raise InvalidRig(f"focal length {name} {value:g} px: must be > 0")
-            object.__setattr__(self, name, float(value))
-        for name, value in (("cx", self.cx), ("cy", self.cy)):
+            object.__setattr__(self, name, value)
+        for name, place in (("cx", self.cx), ("cy", self.cy)):
+            value = given.real(place, f"principal point {name}", InvalidRig)
             if not math.isfinite(value):
                 raise InvalidRig(f"principal point {name} {value:g} px: must be a finite number")
-            object.__setattr__(self, name, float(value))
+            object.__setattr__(self, name, value)
+        if self.distortion is not None:
+            given.a(BrownConrady, self.distortion, "a BrownConrady or None: the lens distortion", InvalidRig)
         if self.distortion == BrownConrady():
             object.__setattr__(self, "distortion", None)
 
@@ -69,25 +75,30 @@ class Intrinsics:
             height,
             focal_px,
             focal_px,
-            (width - 1) / 2 if cx is None else cx,
-            (height - 1) / 2 if cy is None else cy,
+            (given.real(width, "image width", InvalidRig) - 1) / 2 if cx is None else cx,
+            (given.real(height, "image height", InvalidRig) - 1) / 2 if cy is None else cy,
             distortion,
         )
 
     @classmethod
     def from_hfov(cls, width: int, height: int, hfov_deg: float) -> Intrinsics:
         """Square pixels and a horizontal field of view across the full image width, deg."""
+        wide = given.real(width, "image width", InvalidRig)
+        hfov_deg = given.real(hfov_deg, "horizontal field of view", InvalidRig)
         if not (math.isfinite(hfov_deg) and 0 < hfov_deg < 180):
             raise InvalidRig(f"horizontal field of view {hfov_deg:g} deg: must be > 0 and < 180")
-        return cls.from_focal(width, height, width / 2 / math.tan(math.radians(hfov_deg) / 2))
+        return cls.from_focal(width, height, wide / 2 / math.tan(math.radians(hfov_deg) / 2))
 
     @classmethod
     def from_lens(cls, width: int, height: int, focal_mm: float, sensor_width_mm: float) -> Intrinsics:
         """Square pixels, a focal length in mm and the active sensor width in mm."""
+        wide = given.real(width, "image width", InvalidRig)
+        focal_mm = given.real(focal_mm, "focal length", InvalidRig)
+        sensor_width_mm = given.real(sensor_width_mm, "sensor width", InvalidRig)
         for name, value in (("focal length", focal_mm), ("sensor width", sensor_width_mm)):
             if not (math.isfinite(value) and value > 0):
                 raise InvalidRig(f"{name} {value:g} mm: must be > 0")
-        return cls.from_focal(width, height, focal_mm * width / sensor_width_mm)
+        return cls.from_focal(width, height, focal_mm * wide / sensor_width_mm)
 
     @property
     def K(self) -> Array:
@@ -111,16 +122,9 @@ class Intrinsics:
     def project(self, points_camera: npt.ArrayLike) -> Array:
         """Project points (..., 3) m in the camera's frame to uv (..., 2) px.
 
-        NaN where z <= 0 or where the distorted lens shows nothing (`BrownConrady.fold_radius2`).
+        NaN where z <= 0 or where the distorted lens shows nothing (`BrownConrady.shows`).
         """
-        points = np.asarray(points_camera, dtype=np.float64)
-        z = points[..., 2:]
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            normalized = np.where(z > 0, points[..., :2] / z, np.nan)
-            if self.distortion is not None:
-                shown = (normalized**2).sum(axis=-1, keepdims=True) < self.distortion.fold_radius2
-                normalized = np.where(shown, normalized, np.nan)
-        return self.denormalize(normalized)
+        return self.denormalize(self._seen(np.asarray(points_camera, dtype=np.float64)))
 
     def denormalize(self, normalized: npt.ArrayLike) -> Array:
         """Map undistorted normalised coordinates (..., 2) to pixels (..., 2)."""
@@ -135,21 +139,30 @@ class Intrinsics:
         return xy if self.distortion is None else self.distortion.undistort(xy)
 
     def jacobian(self, points_camera: Array) -> Array:
-        """Derivative (..., 2, 3) px/m of `project` with respect to the point; NaN where z <= 0."""
-        x, y, z = points_camera[..., 0], points_camera[..., 1], points_camera[..., 2]
+        """Derivative (..., 2, 3) px/m of `project` with respect to the point; NaN where that is."""
+        z = points_camera[..., 2]
+        normalized = self._seen(points_camera)
         J = np.zeros((*points_camera.shape[:-1], 2, 3))
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            inverse_z = np.where(z > 0, 1 / z, np.nan)
+            inverse_z = np.where(np.isfinite(normalized[..., 0]), 1 / z, np.nan)
             J[..., 0, 0] = inverse_z
             J[..., 1, 1] = inverse_z
-            J[..., 0, 2] = -x * inverse_z**2
-            J[..., 1, 2] = -y * inverse_z**2
+            J[..., 0, 2] = -normalized[..., 0] * inverse_z
+            J[..., 1, 2] = -normalized[..., 1] * inverse_z
             if self.distortion is not None:
-                normalized = points_camera[..., :2] * inverse_z[..., None]
                 J = self.distortion.jacobian(normalized) @ J
         J[..., 0, :] *= self.fx
         J[..., 1, :] *= self.fy
         return J
+
+    def _seen(self, points_camera: Array) -> Array:
+        """Undistorted normalised coordinates (..., 2) of points (..., 3); NaN where the camera shows none."""
+        z = points_camera[..., 2:]
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            normalized = np.where(z > 0, points_camera[..., :2] / z, np.nan)
+            if self.distortion is not None:
+                normalized = np.where(self.distortion.shows(normalized)[..., None], normalized, np.nan)
+        return normalized
 
     def supersampled(self, k: int) -> Intrinsics:
         """The same camera with k x k pixels in the place of one; averaged, they are the old pixel."""

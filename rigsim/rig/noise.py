@@ -8,7 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from rigsim.errors import InvalidNoise
+from rigsim.rig import given
 from rigsim.rig.arrays import Array
+
+_NAMES = {
+    "std_px": "noise",
+    "correlation": "noise correlation",
+    "quantization_px": "quantisation",
+    "outlier_fraction": "outlier fraction",
+    "outlier_px": "outlier size",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +36,9 @@ class PixelNoise:
     """Half width of the square from which outliers are drawn, px."""
 
     def __post_init__(self) -> None:
+        for item, name in _NAMES.items():
+            value = given.real(getattr(self, item), name, InvalidNoise)
+            object.__setattr__(self, item, value)
         for name, value in (
             ("noise", self.std_px),
             ("quantisation", self.quantization_px),
@@ -73,3 +85,20 @@ class PixelNoise:
             noisy_left = np.round(noisy_left / step) * step
             noisy_right = np.round(noisy_right / step) * step
         return noisy_left, noisy_right
+
+
+def as_noise(value: object) -> PixelNoise:
+    """A noise: as it is, or a number, the standard deviation per coordinate in px.
+
+    Raises:
+        InvalidNoise: it is neither, or cannot be.
+    """
+    if isinstance(value, PixelNoise):
+        return value
+    try:
+        std_px = given.real(value, "noise", InvalidNoise)
+    except InvalidNoise:
+        raise InvalidNoise(
+            f"noise {given.shown(value)}: must be a PixelNoise, or a number: the std of a coordinate in px"
+        ) from None
+    return PixelNoise(std_px)

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, fields, replace
 
 from rigsim.errors import InvalidRig
+from rigsim.rig import given
 from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
@@ -43,7 +44,7 @@ class Perturbation:
 
     def __post_init__(self) -> None:
         for item in fields(self):
-            value = getattr(self, item.name)
+            value = given.real(getattr(self, item.name), f"perturbation {item.name}", InvalidRig)
             if not math.isfinite(value):
                 raise InvalidRig(f"perturbation {item.name} {value}: must be a finite number")
 

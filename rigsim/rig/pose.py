@@ -25,7 +25,7 @@ class Pose:
     def __post_init__(self) -> None:
         try:
             R, t = frozen(self.R, (3, 3)), frozen(self.t, (3,))
-        except ValueError as error:
+        except (TypeError, ValueError) as error:
             raise InvalidRig(f"pose: R must be 3x3 and t must have 3 numbers ({error})") from None
         if not (np.isfinite(R).all() and np.isfinite(t).all()):
             raise InvalidRig("pose: every number of R and t must be finite")
@@ -41,7 +41,11 @@ class Pose:
     @classmethod
     def from_rotvec(cls, rotvec_rad: npt.ArrayLike, t: npt.ArrayLike = (0.0, 0.0, 0.0)) -> Pose:
         """Pose of a rotation vector (axis times angle, rad) and a translation (m)."""
-        return cls(rotation_from_rotvec(np.asarray(rotvec_rad, dtype=np.float64)), np.asarray(t))
+        try:
+            turn = frozen(rotvec_rad, (3,))
+        except (TypeError, ValueError):
+            raise InvalidRig("pose: a rotation vector must have 3 numbers, rad") from None
+        return cls(rotation_from_rotvec(turn), np.asarray(t))
 
     @property
     def inverse(self) -> Pose:

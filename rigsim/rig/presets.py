@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 
 from rigsim.errors import InvalidScene
+from rigsim.rig import given
 from rigsim.rig.commercial import CAMERAS, Camera, Figure, first
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
@@ -90,6 +91,7 @@ def preset(name: str) -> Preset:
     Raises:
         InvalidScene: no preset has that name; the message lists those that exist.
     """
+    given.a(str, name, "the name of a preset, as text", InvalidScene)
     plain = re.sub(r"[\s_]+", "-", name.strip().lower())
     for maker in ("intel-", "realsense-", "luxonis-", "stereolabs-"):
         plain = plain.removeprefix(maker)

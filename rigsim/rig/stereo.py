@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rigsim.errors import InvalidRig
+from rigsim.rig import given
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.pose import Pose, rotation_from_rotvec
@@ -32,6 +33,9 @@ class StereoRig:
     """Maps points of the left camera's frame to the right camera's, m."""
 
     def __post_init__(self) -> None:
+        for camera in (self.left, self.right):
+            given.a(Intrinsics, camera, "an Intrinsics: the camera of a rig", InvalidRig)
+        given.a(Pose, self.right_from_left, "a Pose: right_from_left", InvalidRig)
         if self.baseline_m == 0.0:
             raise InvalidRig("baseline 0 mm: must be > 0 (the two camera centres coincide)")
 
@@ -52,6 +56,8 @@ class StereoRig:
         right: Intrinsics | None = None,
     ) -> StereoRig:
         """Toe-in: both cameras turn inwards by half of `vergence_deg`, about their y axes."""
+        baseline_m = given.real(baseline_m, "baseline", InvalidRig)
+        vergence_deg = given.real(vergence_deg, "vergence", InvalidRig)
         if not (math.isfinite(baseline_m) and baseline_m > 0):
             raise InvalidRig(f"baseline {baseline_m * 1e3:g} mm: must be > 0")
         if not (math.isfinite(vergence_deg) and abs(vergence_deg) < 180):

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from rigsim.errors import InvalidRig, RenderMismatch
+from rigsim.rig import given
 from rigsim.rig.arrays import Array, Ids, Light, Mask
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.pose import Pose
@@ -50,7 +52,7 @@ class Simulator:
     MuJoCo is imported when the first one is made, with the GL library that was found to work.
     """
 
-    def __init__(self, scene: str, mount: str | None = None, renderer: str = "auto") -> None:
+    def __init__(self, scene: str | Path, mount: str | None = None, renderer: str = "auto") -> None:
         """Open a scene.
 
         Args:
@@ -62,6 +64,7 @@ class Simulator:
             InvalidScene: scene or mount cannot be used.
             RenderUnavailable: the renderer asked for does not work here.
         """
+        scene = str(given.path(scene, "scene"))
         self.backend = backend.choose(renderer)
         backend.load_mujoco(self.backend)
         from rigsim.sim.scene import load_scene

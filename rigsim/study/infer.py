@@ -3,40 +3,56 @@
 A rig turns a disparity error of one standard deviation ``sigma_d`` into ``K(Z) sigma_d`` of depth, with
 ``K = Z^2/(f B)`` when rectified (Gallup et al., CVPR 2008) and its numerical equal for any other rig.
 Every distance therefore tells ``sigma_d = std/K`` on its own, and stereo noise is what makes them agree.
-Mean errors are kept apart: they are calibration, not noise.
+Mean errors are kept apart: they are calibration, not noise; but a point that is measured too far has
+the noise of where it is measured.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
-from scipy import stats
 
 from rigsim.errors import InvalidRange
 from rigsim.rig.arrays import Array
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.infer_bias import BiasPart, bias_part
-from rigsim.theory.uncertainty import parallax_px, predict_depth_std
+from rigsim.study.infer_bias import BiasPart, Gain, bias_share, split_bias
+from rigsim.study.infer_noise import (
+    FEWEST,
+    IntervalFrom,
+    LawFit,
+    Verdict,
+    degrees_of_freedom,
+    law_fit,
+    noise_fit,
+    smoothed_px,
+    without_noise,
+)
+from rigsim.study.random_effects import CONFIDENCE
+from rigsim.theory.uncertainty import LEAST_DEPTH_SIGMAS, depth_in_sigmas, parallax_px, predict_depth_std
 
-CONFIDENCE = 0.95
-"""Of every interval here."""
-FEWEST = 3
-"""Distances that a law can be tested with."""
+__all__ = [
+    "CONFIDENCE",
+    "FEWEST",
+    "P95",
+    "DepthErrors",
+    "Inference",
+    "Transfer",
+    "depth_gain",
+    "disparities_on_axis",
+    "disparity_of_bounds",
+    "infer_disparity_noise",
+    "law_factor",
+    "transfer",
+]
+
 P95 = 1.959963984540054
 """Standard deviations within which 95 % of a normal error lie."""
 
 _UNIT_DISPARITY = PixelNoise(1 / math.sqrt(2))
-_SCATTER = 0.01
-"""Rarer scatter than this between distances, and the samples' own chi-square is not believed."""
-
-Law = Literal["quadratic", "linear", "constant"]
-Verdict = Literal["consistent", "inconsistent", "untested"]
-_POWERS: dict[Law, float] = {"linear": 1.0, "constant": 0.0}
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,24 +80,17 @@ class DepthErrors:
             raise InvalidRange("depth bias: must be a finite number at every distance")
         if self.counts is not None and not (self.counts >= 2).all():
             raise InvalidRange(f"n {self.counts.min():g}: a standard deviation needs >= 2 measurements")
+        for depth, mean in zip(self.depths_m, self.means_m, strict=True):
+            if mean <= 0:
+                raise InvalidRange(
+                    f"distance {depth * 1e3:g} mm with a bias of {(mean - depth) * 1e3:g} mm: the mean"
+                    " measured depth must be > 0; a bias is measured minus true, in mm"
+                )
 
-
-@dataclass(frozen=True, slots=True)
-class LawFit:
-    """How three laws of distance fit, in logarithms, each with a free factor."""
-
-    exponent: float
-    """Power of the distance that fits best."""
-    exponent_low: float
-    """Lower end of its interval."""
-    exponent_high: float
-    """Upper end."""
-    misfit: dict[Law, float]
-    """Relative RMS difference between data and law; 0.1 is 10 %."""
-    best: Law
-    """Law of the least misfit."""
-    verdict: Verdict
-    """Inconsistent when the interval leaves the exponent of stereo noise out."""
+    @property
+    def means_m(self) -> Array:
+        """Mean measured depths (N,), m; the distances where no bias is known."""
+        return self.depths_m if self.biases_m is None else self.depths_m + self.biases_m
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,19 +102,28 @@ class Inference:
     errors: DepthErrors
     """The depth errors."""
     gains_m_per_px: Array
-    """Depth error per pixel of disparity (N,), m/px."""
+    """Depth error per pixel of disparity (N,), m/px: std over the disparity noise that it alone implies."""
     disparity_std_px: float
     """Standard deviation of the disparity, px."""
     low_px: float
     """Lower end of its interval; NaN where nothing says how sure it is."""
     high_px: float
     """Upper end."""
-    interval_from: Literal["samples", "fit", "none"]
+    interval_from: IntervalFrom
     """Chi-square of the counts, scatter between the distances, or no interval."""
     fit: LawFit | None
     """None where too few distances, or equal ones, leave nothing to test."""
     bias: BiasPart | None
     """None where no bias is known."""
+
+    def explained_gain(self, depths_m: Array) -> Array:
+        """Depth error per pixel of disparity (N,) m/px where the rig measures `depths_m` (N,), scale and all.
+
+        Raises:
+            InvalidRange: a distance at which the rig has no depth.
+        """
+        scale = 0.0 if self.bias is None or math.isnan(self.bias.scale) else self.bias.scale
+        return (1 + scale) * depth_gain(self.rig, depths_m / (1 + scale))
 
     @property
     def verdict(self) -> Verdict:
@@ -128,28 +146,71 @@ class Transfer:
     highs_m: Array
     """Upper ends (N,), m."""
     trusted: npt.NDArray[np.bool_]
-    """Where the disparity is at least four times its noise (N,): elsewhere a std says little."""
+    """Where the depth is at least four of its own standard deviations (N,): elsewhere a std says little."""
 
 
 def infer_disparity_noise(rig: StereoRig, errors: DepthErrors) -> Inference:
-    """The disparity noise that makes `rig` err as `errors` say.
+    """The disparity noise, and the disparity offset and scale, that make `rig` err as `errors` say.
 
-    With counts, the variances are pooled: ``sum(nu s^2/K^2) / sum(nu)``, ``nu = n - 1``, chi-square
-    distributed when the noise is normal. Without, the mean of ``ln(s/K)`` and Student's t on its scatter,
-    from three distances on. Counts that cannot explain the scatter between the distances are not believed
-    and the scatter decides.
+    With counts that explain the scatter between the distances, variances are pooled: chi-square. Else, from
+    three distances on, the distances have a variance of their own (`random_effects`) and the interval is
+    Student's. Measurements (a bias or counts are known) are taken to second order in the noise, claims to
+    first.
 
     Raises:
-        InvalidRange: a distance at which the rig has no depth.
+        InvalidRange: a distance at which the rig has no depth, or biases that nothing explains.
     """
-    gains = depth_gain(rig, errors.depths_m)
-    logs = np.log(errors.stds_m / gains)
-    estimate, low, high, interval_from = _estimate(logs, errors.counts)
-    bias = None
-    if errors.biases_m is not None:
-        bias = bias_part(errors.depths_m, errors.stds_m, errors.counts, gains, errors.biases_m)
-    fit = _fit(errors, gains)
-    return Inference(rig, errors, gains, estimate, low, high, interval_from, fit, bias)
+    measured = errors.biases_m is not None or errors.counts is not None
+    steady, a = errors.means_m, (errors.stds_m / errors.means_m) ** 2
+    if measured:
+        steady, a = without_noise(errors.means_m, errors.stds_m, errors.biases_m is not None)
+    freedom = None if errors.counts is None else degrees_of_freedom(errors.counts, a)
+
+    def gain(depths: Array) -> Array:
+        return depth_gain(rig, depths)
+
+    stds_px = np.sqrt(a) * steady / gain(steady)
+    bias, more = None, 0.0
+    # a scale changes the noise in px that a depth tells, and that the trust in each mean: so twice
+    for _ in range(0 if errors.biases_m is None else 1 if errors.counts is None else 2):
+        variances = None
+        if freedom is not None and errors.counts is not None:
+            variances = smoothed_px(stds_px, freedom) ** 2 * (1 + 8 * a) / errors.counts
+        bias = _bias(gain, errors, steady, stds_px, variances)
+        if not math.isnan(bias.scale):
+            found = steady / (1 + bias.scale)
+            stds_px = np.sqrt(a) * found / gain(found)
+            more = bias.reach * bias.scale_se / (1 + bias.scale)
+    noise = noise_fit(stds_px, freedom, 0.0 if math.isnan(more) else more)
+    law = law_fit(errors.means_m, errors.stds_m, stds_px, freedom)
+    return Inference(
+        rig,
+        errors,
+        errors.stds_m / stds_px,
+        noise.std_px,
+        noise.low_px,
+        noise.high_px,
+        noise.interval_from,
+        law,
+        bias,
+    )
+
+
+def _bias(
+    gain: Gain, errors: DepthErrors, steady: Array, stds_px: Array, variances_px2: Array | None
+) -> BiasPart:
+    assert errors.biases_m is not None
+    fit, left_px = split_bias(gain, errors.depths_m, steady, variances_px2)
+    both = len(fit.values) > 1
+    return BiasPart(
+        disparity_offset_px=float(fit.values[0]),
+        disparity_offset_se_px=float(fit.ses[0]),
+        scale=float(fit.values[1]) if both else math.nan,
+        scale_se=float(fit.ses[1]) if both else math.nan,
+        reach=fit.reach,
+        left_rms_m=float(np.sqrt(np.mean((left_px * errors.stds_m / stds_px) ** 2))),
+        share=bias_share(errors.depths_m, errors.stds_m, errors.biases_m),
+    )
 
 
 def depth_gain(rig: StereoRig, depths_m: Array) -> Array:
@@ -166,16 +227,21 @@ def depth_gain(rig: StereoRig, depths_m: Array) -> Array:
 
 
 def law_factor(errors: DepthErrors, power: float) -> float:
-    """Factor, m at 1 m, of the law ``factor x distance^power`` that fits `errors` best, in logarithms."""
+    """Factor, m at 1 m, of the law ``factor x depth^power`` that fits `errors` best, in logarithms."""
     freedom = np.ones(len(errors.depths_m)) if errors.counts is None else errors.counts - 1
-    logs = np.log(errors.stds_m) - power * np.log(errors.depths_m)
+    logs = np.log(errors.stds_m) - power * np.log(errors.means_m)
     return math.exp(float((freedom * logs).sum() / freedom.sum()))
 
 
 def disparity_of_bounds(rig: StereoRig, near_m: float, far_m: float) -> float:
     """Disparity error, px, whose two signs put a point at `near_m` and at `far_m`: half their disparity."""
-    near_px, far_px = parallax_px(rig, _on_axis(np.array([near_m, far_m])))
+    near_px, far_px = disparities_on_axis(rig, np.array([near_m, far_m]))
     return float(near_px - far_px) / 2
+
+
+def disparities_on_axis(rig: StereoRig, depths_m: Array) -> Array:
+    """Disparities (N,) px on the left optical axis at `depths_m` (N,); ``f B / Z`` when rectified."""
+    return parallax_px(rig, _on_axis(depths_m))
 
 
 def transfer(inference: Inference, rig: StereoRig, depths_m: Array) -> Transfer:
@@ -188,7 +254,7 @@ def transfer(inference: Inference, rig: StereoRig, depths_m: Array) -> Transfer:
     """
     gains = depth_gain(rig, depths_m)
     sigma = inference.disparity_std_px
-    trusted = parallax_px(rig, _on_axis(depths_m)) >= 4 * sigma
+    trusted = depth_in_sigmas(rig, _on_axis(depths_m), PixelNoise(sigma / math.sqrt(2))) >= LEAST_DEPTH_SIGMAS
     return Transfer(
         rig, depths_m, sigma * gains, inference.low_px * gains, inference.high_px * gains, np.asarray(trusted)
     )
@@ -197,81 +263,3 @@ def transfer(inference: Inference, rig: StereoRig, depths_m: Array) -> Transfer:
 def _on_axis(depths_m: Array) -> Array:
     zero = np.zeros_like(depths_m)
     return np.column_stack([zero, zero, depths_m])
-
-
-def _estimate(
-    logs: Array, counts: Array | None
-) -> tuple[float, float, float, Literal["samples", "fit", "none"]]:
-    if counts is not None:
-        freedom = counts - 1
-        total = float(freedom.sum())
-        variance = float((freedom * np.exp(2 * logs)).sum()) / total
-        if len(logs) < FEWEST or _scatter_probability(logs, freedom) > _SCATTER:
-            low, high = (
-                math.sqrt(variance * total / float(stats.chi2.ppf(side, total)))
-                for side in ((1 + CONFIDENCE) / 2, (1 - CONFIDENCE) / 2)
-            )
-            return math.sqrt(variance), low, high, "samples"
-    middle = float(logs.mean())
-    if len(logs) < FEWEST:
-        return math.exp(middle), math.nan, math.nan, "none"
-    reach = _t(len(logs) - 1) * float(logs.std(ddof=1)) / math.sqrt(len(logs))
-    return math.exp(middle), math.exp(middle - reach), math.exp(middle + reach), "fit"
-
-
-def _scatter_probability(logs: Array, freedom: Array) -> float:
-    """How likely counts alone make the variances scatter as much (Bartlett 1937)."""
-    total, groups = float(freedom.sum()), len(logs)
-    pooled = math.log(float((freedom * np.exp(2 * logs)).sum()) / total)
-    correction = 1 + (float((1 / freedom).sum()) - 1 / total) / (3 * (groups - 1))
-    statistic = (total * pooled - float((freedom * 2 * logs).sum())) / correction
-    return float(stats.chi2.sf(statistic, groups - 1))
-
-
-def _t(freedom: int) -> float:
-    return float(stats.t.ppf((1 + CONFIDENCE) / 2, freedom))
-
-
-def _fit(errors: DepthErrors, gains: Array) -> LawFit | None:
-    """The exponent by regression in logarithms, and each law's misfit.
-
-    The regression is of ``s/K`` on Z, whose slope is zero for stereo noise of any rig; two more is the
-    exponent of a rectified one.
-    """
-    logs_z = np.log(errors.depths_m)
-    count = len(logs_z)
-    freedom = np.ones(count) if errors.counts is None else errors.counts - 1
-    weights = freedom / freedom.sum()
-    away = logs_z - (weights * logs_z).sum()
-    spread = float((weights * away**2).sum())
-    if count < FEWEST or spread < 1e-12:
-        return None
-    residual = np.log(errors.stds_m / gains)
-    slope = float((weights * away * residual).sum()) / spread
-    left = residual - (weights * residual).sum() - slope * away
-    unit_variance = float((freedom * left**2).sum()) / (count - 2)
-    reach = _t(count - 2)
-    if errors.counts is not None:
-        # ln s of n normal values has the variance 1/(2 nu); more scatter than that is taken as it is
-        if unit_variance <= 0.5:
-            reach = float(stats.norm.ppf((1 + CONFIDENCE) / 2))
-        unit_variance = max(unit_variance, 0.5)
-    reach *= math.sqrt(unit_variance / (float(freedom.sum()) * spread))
-    misfit: dict[Law, float] = {"quadratic": _misfit(residual, weights)}
-    logs = np.log(errors.stds_m)
-    misfit |= {law: _misfit(logs - power * logs_z, weights) for law, power in _POWERS.items()}
-    # rounding alone separates claims that follow a law exactly
-    outside = abs(slope) > reach + 1e-9
-    return LawFit(
-        2 + slope,
-        2 + slope - reach,
-        2 + slope + reach,
-        misfit,
-        min(misfit, key=lambda law: misfit[law]),
-        "inconsistent" if outside else "consistent",
-    )
-
-
-def _misfit(residual: Array, weights: Array) -> float:
-    away = residual - (weights * residual).sum()
-    return float(np.sqrt((weights * np.expm1(np.abs(away)) ** 2).sum()))

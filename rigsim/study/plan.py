@@ -13,9 +13,10 @@ import numpy as np
 
 from rigsim.errors import InvalidRange
 from rigsim.measure.sensor import Sensor
+from rigsim.rig import given
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
-from rigsim.rig.noise import PixelNoise
+from rigsim.rig.noise import PixelNoise, as_noise
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import SUPERSAMPLE
@@ -54,6 +55,10 @@ class RigGrid:
     """Toe-in angles, deg."""
 
     def __post_init__(self) -> None:
+        given.a(StereoRig, self.base, "a StereoRig: the rig that is varied")
+        for axis in ("baselines_m", "focals_px", "hfovs_deg", "vergences_deg"):
+            object.__setattr__(self, axis, given.reals(getattr(self, axis), axis))
+        object.__setattr__(self, "resolutions_px", _sizes(self.resolutions_px))
         if self.focals_px and self.hfovs_deg:
             raise InvalidRange("--focal and --hfov both given: they say the same thing, give one")
 
@@ -118,6 +123,20 @@ class RigGrid:
         return StereoRig(left, right, Pose(pose.R, pose.t * (length / self.base.baseline_m)))
 
 
+def _sizes(given_sizes: object) -> tuple[tuple[int, int], ...]:
+    """Sizes (width, height) in px: one, or several."""
+    sizes = given.several(given_sizes)
+    if len(sizes) == 2 and not any(np.ndim(np.asarray(side, object)) for side in sizes):
+        sizes = (sizes,)
+    found = []
+    for size in sizes:
+        sides = given.reals(size, "resolution")
+        if len(sides) != 2 or not all(side.is_integer() for side in sides):
+            raise InvalidRange(f"resolution {given.shown(size)}: must be (width, height), whole px")
+        found.append((int(sides[0]), int(sides[1])))
+    return tuple(found)
+
+
 def _change_lens(
     lens: Intrinsics, size: tuple[int, int] | None, focal_px: float | None, hfov_deg: float | None
 ) -> Intrinsics:
@@ -179,6 +198,7 @@ class Plan:
     """What the caller wants written into the provenance."""
 
     def __post_init__(self) -> None:
+        self._take()
         if not 1 <= self.n_points <= MAX_POINTS:
             raise InvalidRange(f"points {self.n_points}: must be between 1 and {MAX_POINTS:,}")
         if self.n_trials < 1:
@@ -195,6 +215,26 @@ class Plan:
             near, far = self.range_m
             if not (math.isfinite(far) and 0 < near < far):
                 raise InvalidRange(f"range {near:g}:{far:g} m: must be 0 < near < far")
+
+    def _take(self) -> None:
+        """One noise or triangulator for several, a path for a scene, whole numbers of any kind."""
+        object.__setattr__(self, "scene", str(given.path(self.scene, "scene")))
+        object.__setattr__(self, "noises", tuple(as_noise(noise) for noise in given.several(self.noises)))
+        object.__setattr__(self, "triangulators", given.several(self.triangulators))
+        for name in ("n_points", "n_trials", "seed", "supersample"):
+            value = given.real(getattr(self, name), name.removeprefix("n_"))
+            if not value.is_integer():
+                raise InvalidRange(f"{name.removeprefix('n_')} {value:g}: must be a whole number")
+            object.__setattr__(self, name, int(value))
+        if not isinstance(self.sensors, Mapping):
+            raise InvalidRange(
+                f"sensors {given.shown(self.sensors)}: must be by name, as in {{'ideal': Sensor()}}"
+            )
+        if self.range_m is not None:
+            ends = given.reals(self.range_m, "range")
+            if len(ends) != 2:
+                raise InvalidRange(f"range {given.shown(self.range_m)}: must be (near, far), m")
+            object.__setattr__(self, "range_m", ends)
 
     def stream(self, purpose: str, scene: str, rig: StereoRig, *more: object) -> np.random.Generator:
         """The random stream of one configuration: it depends on nothing else that is swept."""

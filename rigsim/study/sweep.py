@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from rigsim.errors import InvalidRange, InvalidScene
+from rigsim.rig import given
 from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
@@ -25,7 +26,7 @@ from rigsim.theory.triangulation import resolve
 
 
 def sweep(
-    rigs: RigGrid | Iterable[StereoRig],
+    rigs: RigGrid | StereoRig | Iterable[StereoRig],
     plan: Plan | None = None,
     *,
     jobs: int = 1,
@@ -45,12 +46,13 @@ def sweep(
         TriangulatorError: a triangulator is unknown, raises or returns the wrong thing.
         RenderUnavailable: the renderer asked for does not work here.
     """
-    plan = plan or Plan()
+    plan = given.a(Plan, plan or Plan(), "a Plan: what is simulated")
+    jobs = int(given.real(jobs, "jobs"))
     if jobs < 1:
         raise InvalidRange(f"jobs {jobs}: must be >= 1")
     for method in plan.triangulators:
         resolve(method)  # fail before anything is drawn
-    todo = rigs if isinstance(rigs, RigGrid) else list(rigs)
+    todo = rigs if isinstance(rigs, RigGrid) else _rigs(rigs)
     if len(todo) == 0:
         raise InvalidRange("no rig to sweep: give at least one")
     if plan.range_m is None:
@@ -80,6 +82,11 @@ def sweep(
         lens_note = rigs.lens_note if isinstance(rigs, RigGrid) else ""
         result = _conclude(rows, by_depth, done, plan, simulator, lens_note, complete, beyond_fraction)
         return replace(result, remarks=tuple(remarks.values()))
+
+
+def _rigs(rigs: object) -> list[StereoRig]:
+    """One rig, or several."""
+    return [given.a(StereoRig, rig, "a StereoRig, several, or a RigGrid") for rig in given.several(rigs)]
 
 
 def _conclude(

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rigsim.errors import InvalidRig
+from rigsim.rig import given
 from rigsim.rig.arrays import Array
 from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.intrinsics import Intrinsics
@@ -25,7 +26,8 @@ def depth_sensitivity(rig: StereoRig, points_left: npt.ArrayLike) -> dict[str, A
     move by their derivative in the perturbation, the depth follows through ``(J^T J)^-1 J^T``.
     NaN behind a camera.
     """
-    points = np.asarray(points_left, dtype=np.float64)
+    given.a(StereoRig, rig, "a StereoRig: the rig", InvalidRig)
+    points = given.points(points_left)
     right, right_from_left = rig.right, rig.right_from_left
     points_right = right_from_left.apply(points)
     gain = pixel_gain(rig, points)[:, 2]

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rigsim.errors import TriangulatorError
+from rigsim.rig import given
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
@@ -41,6 +42,7 @@ def triangulate(
         TriangulatorError: pixels that are no (N, 2) numbers, an unknown method, a method that does not
             fit the rig, or a callable that raises or returns the wrong thing.
     """
+    given.a(StereoRig, rig, "a StereoRig: the rig", TriangulatorError)
     left, right = _pixels(uv_left, uv_right)
     return resolve(method)(rig, left, right)
 

@@ -1,7 +1,8 @@
 """How far a triangulated point lies from the truth: covariance, bias and exact bounds, for any rig.
 
 First and second order in the pixel noise, for the maximum-likelihood triangulator (`optimal`).
-Outliers are no part of it. Points are metres in the left camera's frame; NaN behind a camera.
+Outliers are no part of it. Points are metres in the left camera's frame; NaN where a camera shows none
+(behind it, or beyond the fold of its lens). A noise is a `PixelNoise`, or its std per coordinate, px.
 """
 
 from __future__ import annotations
@@ -11,9 +12,10 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from rigsim.errors import InvalidRange
+from rigsim.errors import InvalidRange, InvalidRig
+from rigsim.rig import given
 from rigsim.rig.arrays import Array
-from rigsim.rig.noise import PixelNoise
+from rigsim.rig.noise import PixelNoise, as_noise
 from rigsim.rig.stereo import StereoRig
 from rigsim.theory.blocks import blocks
 from rigsim.theory.bounds import extreme_depths
@@ -27,14 +29,14 @@ _BLOCK = 8192
 _RELATIVE_STEP = 1e-5
 
 
-def predict_covariance(rig: StereoRig, points_left: npt.ArrayLike, noise: PixelNoise) -> Array:
+def predict_covariance(rig: StereoRig, points_left: npt.ArrayLike, noise: PixelNoise | float) -> Array:
     """Covariance (N, 3, 3) m^2 of triangulated points (N, 3).
 
     ``A S A^T`` with ``A = (J^T J)^-1 J^T`` and S the noise's covariance: least squares stays what the
     triangulator does when left and right noise are correlated, so this is exact to first order;
     without correlation it is the Cramer-Rao bound ``sigma^2 (J^T J)^-1``.
     """
-    points = _points(points_left)
+    points, noise = _checked(rig, points_left), as_noise(noise)
     covariance = np.empty((len(points), 3, 3))
     for block in blocks(len(points), _BLOCK):
         A = pixel_gain(rig, points[block])
@@ -42,30 +44,30 @@ def predict_covariance(rig: StereoRig, points_left: npt.ArrayLike, noise: PixelN
     return covariance
 
 
-def predict_depth_std(rig: StereoRig, points_left: npt.ArrayLike, noise: PixelNoise) -> Array:
+def predict_depth_std(rig: StereoRig, points_left: npt.ArrayLike, noise: PixelNoise | float) -> Array:
     """Standard deviation (N,) m of the depth; ``Z^2/(f B) sigma_d`` when rectified."""
-    return np.asarray(np.sqrt(_depth_variance(rig, _points(points_left), noise)))
+    return np.asarray(np.sqrt(_depth_variance(rig, _checked(rig, points_left), as_noise(noise))))
 
 
-def depth_in_sigmas(rig: StereoRig, points_left: npt.ArrayLike, noise: PixelNoise) -> Array:
+def depth_in_sigmas(rig: StereoRig, points_left: npt.ArrayLike, noise: PixelNoise | float) -> Array:
     """Depth over its own standard deviation, ``Z / sigma_Z`` (N,); infinite without noise.
 
     To first order the distance of the point at infinity in standard deviations, ``d / sigma_d`` when
     rectified; from the point's own covariance it holds for any lenses, poses and correlation.
     """
-    points = _points(points_left)
+    points, noise = _checked(rig, points_left), as_noise(noise)
     with np.errstate(divide="ignore"):
         return np.asarray(points[:, 2] / predict_depth_std(rig, points, noise))
 
 
-def predict_depth_bias(rig: StereoRig, points_left: npt.ArrayLike, noise: PixelNoise) -> Array:
+def predict_depth_bias(rig: StereoRig, points_left: npt.ArrayLike, noise: PixelNoise | float) -> Array:
     """Mean depth error (N,) m to second order in the noise; ``Z (sigma_d/d)^2`` when rectified.
 
     The normal equations expanded to second order, M = J^T J, H_i the Hessian of pixel coordinate i,
     C the covariance and ``D = (I - J A) S A^T``:
     ``bias = M^-1 (-1/2 J^T [tr(H_i C)]_i + sum_i H_i D_i)``.
     """
-    points = _points(points_left)
+    points, noise = _checked(rig, points_left), as_noise(noise)
     S = noise.covariance_px2
     bias = np.empty(len(points))
     for block in blocks(len(points), _BLOCK):
@@ -84,14 +86,16 @@ def predict_depth_bias(rig: StereoRig, points_left: npt.ArrayLike, noise: PixelN
     return bias
 
 
-def predict_depth_rmse(rig: StereoRig, points_left: npt.ArrayLike, noise: PixelNoise) -> tuple[Array, Array]:
+def predict_depth_rmse(
+    rig: StereoRig, points_left: npt.ArrayLike, noise: PixelNoise | float
+) -> tuple[Array, Array]:
     """Root mean square depth error (N,) m, and the first term that was left out (N,) m.
 
     With ``a = S_ZZ / Z^2``, (sigma_d/d)^2 when rectified, ``E[(Z/Z0 - 1)^2] = a + 9 a^2 + 75 a^3 + ...``:
     the second term is the bias squared and the growth of the variance, 8 a^2. The series is asymptotic:
     trust it while the second array is small.
     """
-    points = _points(points_left)
+    points, noise = _checked(rig, points_left), as_noise(noise)
     variance = _depth_variance(rig, points, noise)
     with np.errstate(all="ignore"):
         a = variance / points[:, 2] ** 2
@@ -107,7 +111,7 @@ def parallax_px(rig: StereoRig, points_left: npt.ArrayLike) -> Array:
     where the right camera cannot show the ray's end. How certain a depth is, it does not say for
     unequal or distorted lenses: that is `depth_in_sigmas`.
     """
-    points = _points(points_left)
+    points = _checked(rig, points_left)
     motion = epipolar_motion(rig, points)
     with np.errstate(all="ignore"):
         away = np.where(motion.infinity_depth <= 0, 0.0, motion.infinity_depth)
@@ -136,7 +140,7 @@ def depth_bounds(
     error = np.asarray(disparity_error_px, dtype=np.float64)
     if not (error >= 0).all():
         raise InvalidRange(f"disparity error {error.min():g} px: must be >= 0")
-    points = _points(points_left)
+    points = _checked(rig, points_left)
     if not rig.is_rectified:
         return extreme_depths(rig, points, error / math.sqrt(2))
     fx_b, z = rig.left.fx * rig.baseline_m, np.where(points[:, 2] > 0, points[:, 2], np.nan)
@@ -176,8 +180,10 @@ def _hessian(rig: StereoRig, points: Array) -> Array:
     return H
 
 
+def _checked(rig: StereoRig, points_left: npt.ArrayLike) -> Array:
+    given.a(StereoRig, rig, "a StereoRig: the rig", InvalidRig)
+    return given.points(points_left)
+
+
 def _points(points_left: npt.ArrayLike) -> Array:
-    points = np.asarray(points_left, dtype=np.float64)
-    if points.ndim != 2 or points.shape[1] != 3:
-        raise InvalidRange(f"points of shape {points.shape}: must be (N, 3), a row a point")
-    return points
+    return given.points(points_left)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from rigsim.interop.documents.base import Part, Rig
+from rigsim.interop.documents.base import Part, RemarkPart, Rig
 
 
 class Fit(Part):
@@ -33,10 +33,18 @@ class Bias(Part):
     """Disparity offset that explains them, measured minus true, px."""
     disparity_offset_se_px: float | None
     """Its standard error, px; null where nothing tells it."""
+    disparity_offset_ci_low_px: float | None
+    """Lower end of its interval, px."""
+    disparity_offset_ci_high_px: float | None
+    """Upper end of its interval, px."""
     scale_pct: float | None
     """Share of the distance that explains them, percent."""
     scale_se_pct: float | None
     """Its standard error, percent."""
+    scale_ci_low_pct: float | None
+    """Lower end of its interval, percent."""
+    scale_ci_high_pct: float | None
+    """Upper end of its interval, percent."""
     left_rms_mm: float
     """RMS that neither explains, mm."""
     share_of_mean_square_pct: float
@@ -107,3 +115,5 @@ class InferDocument(Part):
     """One for each distance."""
     transfer: Transfer | None
     """Null without --to."""
+    remarks: list[RemarkPart]
+    """What is odd about it; also on standard error."""
