@@ -189,7 +189,8 @@ def _distortion_lines(owner: str, lens: BrownConrady) -> list[str]:
 def _sensor_text(sensor: Sensor) -> str:
     lines = [
         "",
-        "# Electrons at gain 1; grey_noise, black_level in 1/255 of full scale; right_offset, vignetting in shares.",
+        "# Electrons at gain 1; grey_noise and black_level in 1/255 of full scale,",
+        "# right_offset and vignetting in shares.",
         "[sensor]",
     ]
     for field in fields(sensor):
