@@ -13,8 +13,8 @@ from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.pair import measure_pair
-from rigsim.study.pair_findings import is_misaligned
 from rigsim.study.pair_result import PairMeasurement
+from rigsim.study.pair_rows import is_misaligned
 from rigsim.study.pair_truth import truth_at
 from tests.checker_images import board_homography, board_image
 from tests.textured_images import Pair, Waves, affine_pair, noisy, plane_pair
