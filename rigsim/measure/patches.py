@@ -39,15 +39,19 @@ _WORST_STD_PX = 0.5
 _NOISE_EXCESS = 4.0  # a residual this many times the noise's variance ...
 _UNEXPLAINED = 0.05  # ... and this share of the squared gradient is another surface, not noise
 _MOST_NOISE_SHARE = 0.6  # of the gradient's energy: beyond, a match's accuracy is a guess
-_REACH_WINDOWS = 4.0  # the nearest neighbours within so many windows are asked
 _LEAST_ON_PLANE = 0.2  # share of neighbours on a match's own plane; below it, the plane spans two surfaces
-_OFF_PLANE_FACTOR = 1.6  # how much less to trust a match none of whose neighbours is on its plane
+_OFF_PLANE_FACTOR = 1.3  # how much less to trust a match none of whose neighbours is on its plane
+_ONE_WAY = 1.5  # what is bent one way only, as a branch, shows less of its bend to neighbours all around
 _UNKNOWN_FACTOR = 2.0  # and one without neighbours
+_EXCESS_FROM = 1.15  # a residual's variance scatters by a tenth; beyond this it is texture that does not fit,
+_EXCESS_STD = 1.5  # which is no white noise: it adds up to so many times what the noise does
 _JACKKNIFE_NOISE = 2.0  # of nine blocks the variance scatters by half: this much may be chance
 _CURVATURE_NOISE = 4.0
-_MODEL_SHARE = 0.7  # of what leaving out and bending move the answer by; fitted to the bundled scenes' truth
+_MODEL_SHARE = 0.4  # of what leaving out and bending move the answer by; fitted to the bundled scenes' truth
 _INTERPOLATION_PX = 5e-4
-_INTERPOLATION_SHARE = 0.15  # of the spline's error that its correction leaves
+_INTERPOLATION_SHARE = 0.1  # of the spline's error that its correction leaves
+_ALIASED_SHARE = 1.0  # and what aliasing makes of the same fine texture, where half of the fits leave over
+_ALIASED = (1.1, 0.1)  # a tenth more than noise, or more: of noise alone it would be a twentieth
 _TEXTURE_SHARE = 0.25  # where fine texture is everywhere it is taken for noise: not for more than this
 _ROUNDING = 1e-8
 _ENOUGH = 20
@@ -169,8 +173,9 @@ def match_patches(
     )
     trusted = np.isfinite(fits.disparity) & same_surface & (std < _WORST_STD_PX)
     trusted &= noise_share(fits, noise_var) < _MOST_NOISE_SHARE
-    outvoted, on_plane = borne_out(fits, trusted, std, noise_std, _REACH_WINDOWS * window)
+    outvoted, on_plane, bend = borne_out(fits, trusted, std, noise_std, window=window)
     trusted &= ~outvoted & ~(on_plane < _LEAST_ON_PLANE)
+    std = np.hypot(std, _ONE_WAY * bend)
     std *= np.where(np.isnan(on_plane), _UNKNOWN_FACTOR, 1 + _OFF_PLANE_FACTOR * (1 - on_plane))
     if not trusted.any():
         raise MeasurementFailed(
@@ -218,8 +223,14 @@ def predicted_std(fits: Fits, noise_var: float) -> tuple[Array, Array]:
     bend_std = fits.curvature_noise_std * residual_std
     parts = np.maximum(fits.jackknife_std**2 - _JACKKNIFE_NOISE * noise_std**2, 0)
     bend = np.maximum(fits.curvature_px**2 - _CURVATURE_NOISE * bend_std**2, 0)
-    spline = _INTERPOLATION_PX**2 + (_INTERPOLATION_SHARE * fits.interpolation_px) ** 2
-    return np.sqrt(noise_std**2 + _MODEL_SHARE * (parts + bend) + spline), noise_std
+    excess = np.clip(fits.noise_var / noise_var - _EXCESS_FROM, 0, 1)
+    misfit = excess * (_EXCESS_STD * fits.noise_std) ** 2 * noise_var * fits.noise_weight
+    known = fits.noise_var[np.isfinite(fits.noise_var)]
+    typical = float(np.median(known)) / noise_var if len(known) >= _ENOUGH and noise_var > 0 else 1.0
+    aliased = float(np.clip((typical - _ALIASED[0]) / _ALIASED[1], 0, 1))
+    fine = (_INTERPOLATION_SHARE + _ALIASED_SHARE * aliased) * fits.interpolation_px
+    spline = _INTERPOLATION_PX**2 + fine**2
+    return np.sqrt(noise_std**2 + _MODEL_SHARE * (parts + bend) + misfit + spline), noise_std
 
 
 def noise_share(fits: Fits, noise_var: Array | float) -> Array:
