@@ -6,6 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from rigsim.measure.refine import Fits
+from rigsim.measure.spline import Indices
 from rigsim.rig.arrays import Array, Mask
 
 WITNESSES = 3
@@ -46,8 +47,8 @@ def borne_out(
     )
     near = np.asarray(found)[:, 1:]
     there = near < len(members)
-    b = members[np.where(there, near, 0)]
-    a = members[:, None]
+    b: Indices = members[np.where(there, near, 0)]
+    a: Indices = members[:, None]
     step = fits.uv_left[b] - fits.uv_left[a]
     departure = _departure(fits, a, b, step)
     off, back = np.abs(departure), np.abs(_departure(fits, b, a, -step))
@@ -81,7 +82,7 @@ def _bend(departure: Array, step: Array, says: Mask, window: int) -> Array:
     return np.where(says.sum(axis=1) >= WITNESSES, mean_square * bent, 0.0)
 
 
-def _departure(fits: Fits, a: Array, b: Array, step: Array) -> Array:
+def _departure(fits: Fits, a: Indices, b: Indices, step: Array) -> Array:
     """How far the disparity of `b`, `step` (..., 2) px further on, departs from the plane of `a`, px."""
     predicted = fits.disparity[a] - fits.stretch[a] * step[..., 0] - fits.shear[a] * step[..., 1]
     return np.asarray(fits.disparity[b] - predicted)

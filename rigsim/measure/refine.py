@@ -243,7 +243,7 @@ def _interpolation_error(
     error = np.einsum("npk,npk->np", strip[rows, columns], kernels[phase])
     product = noise_vars[:, None] * with_derivative[phase]
     moments = np.zeros((len(position), 5))
-    for i, weight in enumerate((1.0, x, y)):
+    for i, weight in enumerate((np.ones_like(x), x, y)):
         moments[:, i] = (product * weight).sum(axis=1)
     return error, moments
 

@@ -132,8 +132,8 @@ def sensor_entries(sensor: Sensor, name: str) -> list[Entry]:
         ("Pixels' dark levels", sensor.dsnu_e, "e⁻", "scatter from pixel to pixel (DSNU)"),
         ("Black level", sensor.black_level, "grey of 255", "a picture's level in the dark"),
     ):
-        if value:
-            entries.append((label, plain(value), unit, what))
+        if number:
+            entries.append((label, plain(number), unit, meaning))
     if sensor.gain != 1:
         entries.append(("Gain", plain(sensor.gain), "×", "so many times fewer electrons are full scale"))
     if sensor.grey_noise:
