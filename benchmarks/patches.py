@@ -61,7 +61,7 @@ def texture_pair(
 def _claims() -> None:
     rig = StereoRig.rectified(Intrinsics.from_focal(320, 240, 300.0), 0.1)
     print(
-        "claimed over actual RMS error of matches, plane waves, five phases of a pixel    (limits 0.8 to 1.25)\n"
+        "claimed over actual RMS error of matches, plane waves, five phases of a pixel   (0.8 to 1.25)\n"
         "  highest   contrast  noise  trusted    rms      largest mean   claimed   within 3\n"
         "  cyc/px    grey      grey   share      px       of a phase     / actual  std"
     )

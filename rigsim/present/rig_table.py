@@ -122,7 +122,7 @@ def sensor_entries(sensor: Sensor, name: str) -> list[Entry]:
             ("Full well", plain(sensor.full_well_e), "e⁻", "electrons that fill a pixel at gain 1")
         )
         entries.append(("Read noise", plain(sensor.read_noise_e), "e⁻", "beside the photons' own shot noise"))
-    for label, value, unit, what in (
+    for label, size, unit, meaning in (
         (
             "Pixels' gains",
             sensor.prnu_pct,
@@ -132,8 +132,8 @@ def sensor_entries(sensor: Sensor, name: str) -> list[Entry]:
         ("Pixels' dark levels", sensor.dsnu_e, "e⁻", "scatter from pixel to pixel (DSNU)"),
         ("Black level", sensor.black_level, "grey of 255", "a picture's level in the dark"),
     ):
-        if number:
-            entries.append((label, plain(number), unit, meaning))
+        if size:
+            entries.append((label, plain(size), unit, meaning))
     if sensor.gain != 1:
         entries.append(("Gain", plain(sensor.gain), "×", "so many times fewer electrons are full scale"))
     if sensor.grey_noise:
