@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import replace
 
 import numpy as np
@@ -12,10 +13,19 @@ from textured_images import Pair, Waves, affine_pair, noisy, plane_pair, plane_t
 
 from rigsim.errors import InvalidImage, InvalidRange, MeasurementFailed, RigsimError
 from rigsim.measure.interest import estimate_noise, interest_points
+from rigsim.measure.neighbours import borne_out
 from rigsim.measure.patches import PatchMatches, match_patches, predicted_std
 from rigsim.measure.rectify import rectify
 from rigsim.measure.refine import Fits, fit_patches
-from rigsim.measure.spline import RowSpline, derivative_noise_gain, noise_gain, tap_weights
+from rigsim.measure.spline import (
+    REACH,
+    RowSpline,
+    derivative_noise_gain,
+    error_kernels,
+    noise_gain,
+    phase_of,
+    tap_weights,
+)
 from rigsim.rig.arrays import Array
 from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.intrinsics import Intrinsics
@@ -401,3 +411,82 @@ def test_bad_input_is_one_line(
     with pytest.raises(error, match=message) as caught:
         match_patches(left, right, **{"rig": SMALL_RIG, **options})
     assert "\n" not in str(caught.value)
+
+
+# --- what the claims are worth --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("phase", [0.25, 0.75])
+def test_texture_up_to_the_finest_is_not_biased_by_the_spline(phase: float) -> None:
+    # a quintic spline alone errs by 0.017 px here, towards the whole pixel it starts from
+    pair = affine_pair(2, d=20 + phase, highest=0.48)
+    fits, error, _ = fit(pair, pair.left, pair.right, grid(pair))
+    known = np.isfinite(error)
+    assert known.mean() > 0.9
+    assert abs(error[known].mean()) < 0.003
+    # the sign of what was taken out: at a quarter of a pixel the spline makes disparities too large
+    assert np.sign(phase - 0.5) * fits.interpolation_px[known].mean() == pytest.approx(0.0165, abs=0.004)
+    std, _ = predicted_std(fits, 0.01)
+    assert np.sqrt(np.mean(error[known] ** 2)) < 1.25 * np.sqrt(np.mean(std[known] ** 2))
+
+
+def test_error_kernels_shift_a_wave_back_to_itself() -> None:
+    # 0.3 px of a wave of 0.45 cycles/px: what the spline makes of it, less its error, is the wave
+    u = np.arange(400.0)
+    wave = np.cos(2 * np.pi * 0.45 * u)
+    moved = np.cos(2 * np.pi * 0.45 * (u - 0.3))  # seen 0.3 px further right
+    back = RowSpline.through(moved[None]).sample(np.array(0), u[50:350] + 0.3)
+    kernels, _ = error_kernels()
+    kernel = kernels[int(phase_of(np.array(0.3)))]
+    windows = np.lib.stride_tricks.sliding_window_view(wave, 2 * REACH + 1)
+    error = windows[50 - REACH : 350 - REACH] @ kernel
+    off, left = back - wave[50:350], back - error - wave[50:350]
+    assert np.abs(off).max() > 0.2
+    assert np.abs(left).max() < np.abs(off).max() / 3
+
+
+def test_weak_texture_is_neither_held_back_nor_claimed_too_well_or_too_badly() -> None:
+    errors, claims = [], []
+    for seed, phase in enumerate((0.2, 0.4, 0.6, 0.8)):
+        exact = affine_pair(seed, d=20 + phase)
+        # 2.5 grey of texture under 2 grey of noise
+        weak = [128 + (image - 128) / 16 for image in (exact.left, exact.right)]
+        left, right = noisy(weak[0], 2.0, 10 + seed), noisy(weak[1], 2.0, 20 + seed)
+        matches = match_patches(left, right, exact.rig, n_points=300, disparity_range=(0, 40))
+        valid = matches.observations.valid
+        errors.append(np.sign(0.5 - phase) * (matches.disparity[valid] - 20 - phase))
+        claims.append(matches.disparity_std_px[valid])
+    error, claim = np.concatenate(errors), np.concatenate(claims)
+    assert len(error) > 100
+    rms = np.sqrt(np.mean(error**2))
+    # towards the whole pixel it was 0.036 px, and 3.3 times the error was claimed
+    assert abs(error.mean()) < 4 * rms / np.sqrt(len(error))
+    assert 0.8 < np.sqrt(np.mean(claim**2)) / rms < 1.4
+
+
+def test_a_plane_through_two_surfaces_is_told_by_its_neighbours() -> None:
+    """Nine matches on two walls, disparity 10 and 12, and one between them that makes a ramp of both."""
+    u = np.array([20.0, 35, 50, 20, 35, 100, 115, 130, 115, 70])
+    v = np.array([20.0, 20, 20, 40, 40, 20, 20, 20, 40, 30])
+    n = len(u)
+    disparity = np.where(u < 60, 10.0, 12.0)
+    disparity[-1] = 11.0
+    stretch = np.zeros(n)
+    stretch[-1] = -0.3  # the ramp: disparity grows by 0.3 px a px
+    blank = {item.name: np.ones(n) for item in dataclasses.fields(Fits)}
+    fits = Fits(
+        **blank
+        | {
+            "uv_left": np.stack([u, v], axis=1),
+            "disparity": disparity,
+            "stretch": stretch,
+            "shear": np.zeros(n),
+            "slope_var": np.tile(1e-8 * np.eye(2), (n, 1, 1)),
+        }
+    )
+    std = np.full(n, 0.02)
+    outvoted, on_plane, bend = borne_out(fits, np.ones(n, dtype=bool), std, std, window=15)
+    assert not outvoted[:-1].any()
+    assert (on_plane[:-1] >= 0.4).all()
+    assert outvoted[-1] or on_plane[-1] == 0
+    assert bend[:-1] == pytest.approx(0, abs=0.1)

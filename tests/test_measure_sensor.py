@@ -155,6 +155,68 @@ class TestNoise:
         assert digitise(np.zeros((4, 5, 3)), sensor, np.random.default_rng(0), frames=2).shape == (2, 4, 5, 3)
 
 
+def dark_and_grey(sensor: Sensor, light: float, n: int = 200) -> np.ndarray:
+    """Grey levels (n, 100, 100) of frames of even light."""
+    return digitise(np.full((100, 100), light), sensor, np.random.default_rng(7), frames=n).astype(float)
+
+
+class TestEmva:
+    """EMVA 1288: what photon transfer reads out of frames is what went into them."""
+
+    SENSOR = Sensor(full_well_e=8000, read_noise_e=6, gain=16, bits=8, black_level=32)
+
+    def test_the_dark_is_the_black_level_with_all_of_the_read_noise(self) -> None:
+        # 255 levels x 16 / 8000 e- = 0.51 an electron: 6 e- are 3.06 levels, with rounding
+        # sqrt(3.06^2 + 1/12) = 3.0736; cut off at 0 it would be 0.58 of that, with a mean of 0.4 x 3.06
+        dark = dark_and_grey(self.SENSOR, 0.0)
+        assert dark.mean() == pytest.approx(32.0, abs=0.02)
+        assert dark.std() == pytest.approx(3.0736, rel=0.01)
+        cut = dark_and_grey(replace(self.SENSOR, black_level=0), 0.0, n=20)
+        assert cut.mean() == pytest.approx(3.06 / math.sqrt(2 * math.pi), rel=0.02)
+
+    @pytest.mark.parametrize("bits", [8, 12])
+    def test_the_slope_of_variance_over_mean_is_the_levels_an_electron(self, bits: int) -> None:
+        sensor = replace(self.SENSOR, bits=bits)
+        k = (2**bits - 1) * 16 / 8000
+        assert sensor.grey_per_electron == pytest.approx(k)
+        pairs = [dark_and_grey(sensor, light) for light in (0.0, 0.2, 0.4, 0.6)]
+        means = [frames.mean() for frames in pairs]
+        variances = [frames.var(axis=0, ddof=1).mean() for frames in pairs]
+        slope, dark_variance = np.polyfit(np.array(means) - means[0], variances, 1)
+        assert slope == pytest.approx(k, rel=0.01)
+        assert dark_variance == pytest.approx((6 * k) ** 2 + 1 / 12, rel=0.02)
+        assert means[0] == pytest.approx(32 / 255 * (2**bits - 1), rel=0.01)
+        assert float(sensor.noise_std(means[2])) ** 2 == pytest.approx(variances[2], rel=0.02)
+
+    def test_few_photons_are_counted(self) -> None:
+        # 3 e- on average: P(0) = exp(-3) = 0.0498, P(1) = 0.1494; a Gaussian would make half electrons
+        sensor = Sensor(full_well_e=300, gain=100, bits=0)
+        electrons = dark_and_grey(sensor, 1.0) * 3
+        np.testing.assert_allclose(electrons, np.rint(electrons), atol=1e-9)
+        assert (electrons < 0.5).mean() == pytest.approx(math.exp(-3), rel=0.02)
+        assert (np.abs(electrons - 1) < 0.5).mean() == pytest.approx(3 * math.exp(-3), rel=0.02)
+        # skewness of Poisson: 1 / sqrt(3)
+        assert ((electrons - 3) ** 3).mean() / 3**1.5 == pytest.approx(1 / math.sqrt(3), rel=0.03)
+
+    def test_prnu_and_dsnu_are_read_as_the_standard_reads_them(self) -> None:
+        sensor = Sensor(full_well_e=10000, read_noise_e=4, bits=12, black_level=20, prnu_pct=1.5, dsnu_e=8)
+        k = 0.4095
+        dark, half = (dark_and_grey(sensor, light).mean(axis=0) for light in (0.0, 0.5))
+        assert dark.std() / k == pytest.approx(8, rel=0.02)
+        prnu = math.sqrt(half.var() - dark.var()) / (half.mean() - dark.mean())
+        assert 100 * prnu == pytest.approx(1.5, rel=0.03)
+
+    def test_the_pattern_is_a_cameras_own(self) -> None:
+        sensor = Sensor(bits=0, prnu_pct=2)
+        light = np.full((40, 50), 0.5)
+        first, again, right = (
+            digitise(light, sensor, np.random.default_rng(seed), side)
+            for seed, side in ((1, "left"), (2, "left"), (1, "right"))
+        )
+        np.testing.assert_array_equal(first, again)
+        assert abs(np.corrcoef(first.ravel(), right.ravel())[0, 1]) < 0.1
+
+
 class TestBadSensors:
     @pytest.mark.parametrize(
         ("numbers", "message"),
@@ -164,6 +226,10 @@ class TestBadSensors:
             ({"full_well_e": -1}, "full well -1 e-"),
             ({"read_noise_e": 2.0}, "read noise 2 e- without a full well: give full_well_e"),
             ({"read_noise_e": math.inf, "full_well_e": 1}, "read noise inf e-"),
+            ({"dsnu_e": 2.0}, "DSNU 2 e- without a full well: give full_well_e"),
+            ({"prnu_pct": -1}, "PRNU -1 %: must be >= 0"),
+            ({"black_level": 255}, "black level 255: must be >= 0 and < 255"),
+            ({"full_well_e": 1e15, "gain": 1e-9}, "at most 1e\\+15 electrons"),
             ({"grey_noise": -2}, "grey noise -2: must be >= 0"),
             ({"gain": 0}, "gain 0: must be > 0"),
             ({"right_gain": -1}, "right gain -1: must be > 0"),

@@ -13,8 +13,8 @@ from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.pair import measure_pair
-from rigsim.study.pair_findings import is_misaligned
 from rigsim.study.pair_result import PairMeasurement
+from rigsim.study.pair_rows import is_misaligned, row_verdict
 from rigsim.study.pair_truth import truth_at
 from tests.checker_images import board_homography, board_image
 from tests.textured_images import Pair, Waves, affine_pair, noisy, plane_pair
@@ -367,3 +367,86 @@ def test_a_target_needs_rows_that_correspond():
     pair = flat()
     with pytest.raises(InvalidRange, match="rectified rig"):
         measure_pair(pair.left, pair.right, rig, target=(0, 0, 10, 10))
+
+
+# --- conclusions ----------------------------------------------------------------------------------
+
+
+def far_wall(rows: int, along: int = 0) -> PairMeasurement:
+    """A wall measured with the right picture so many rows too low and so many columns too far left."""
+    pair = flat(seed=3)
+    return measured(pair, np.roll(pair.right, (rows, -along), axis=(0, 1)))
+
+
+@pytest.mark.parametrize(("rows", "side"), [(10, "low"), (-10, "high"), (15, "low")])
+def test_a_shift_of_many_rows_is_found_and_told(rows: int, side: str):
+    # 150 rows: 15 are a tenth; rows further than 3 px off hardly match at all
+    try:
+        result = far_wall(rows)
+    except MeasurementFailed as error:
+        says = str(error)
+    else:
+        assert result.verdicts[0].kind == "flagged"
+        says = said(result, "not_rectified")
+    number, rest = says.split("right picture is ")[1].split(" px too ")[:2]
+    assert float(number) == pytest.approx(abs(rows), abs=0.05)
+    assert rest.startswith(side)
+    # atan(10 / 400) = 1.43 deg, atan(15 / 400) = 2.15 deg; a picture that is too low looks up
+    turn = math.degrees(math.atan(abs(rows) / 400))
+    assert f"looked {'up' if rows > 0 else 'down'} by {turn:.2g} deg" in says
+    assert f"cy in the rig were {float(number):.2f} px too {'small' if rows > 0 else 'large'}" in says
+
+
+def test_a_third_of_a_row_is_flagged_and_none_is_not():
+    pair, waves = flat(), Waves.random(1)
+    u, v = np.arange(200.0), np.arange(150.0)[:, None]
+    shifted = measured(pair, waves.at(u + 20, v - 0.3))
+    assert shifted.verdicts[0].kind == "flagged"
+    number = float(said(shifted, "not_rectified").split("picture is ")[1].split(" px too low")[0])
+    assert number == pytest.approx(0.3, abs=0.03)
+    assert measured(pair).verdicts[0].key == "rows_fit"
+
+
+def test_what_rows_cannot_tell_is_said_to_be_open():
+    result = far_wall(0, along=8)
+    rows, along = result.verdicts
+    assert rows.kind == "agrees"
+    assert along.kind == "untold"
+    assert "shifted along its rows" in along.says
+    # 28 px of disparity instead of 20: 1.43 m instead of 2
+    assert np.median(result.patches.points_left[:, 2]) == pytest.approx(40 / 28, abs=1e-3)
+    pair = flat()
+    assert measured(pair, truth=truth_of(pair)).verdicts[1].kind == "agrees"
+
+
+@pytest.mark.parametrize(
+    ("side_mm", "kind", "word"),
+    [(100.0, "agrees", "no shift"), (90.0, "flagged", "large"), (110.0, "flagged", "small")],
+)
+def test_squares_of_a_known_side_tell_the_scale(side_mm: float, kind: str, word: str):
+    left, right, rig = board_pair()
+    result = measure_pair(left, right, rig, board=(3, 4), square_m=side_mm / 1e3, matcher=None)
+    along = result.verdicts[1]
+    assert along.kind == kind
+    assert word in along.says
+    if kind == "flagged":
+        # 100 mm read where 90 are true: 11 % too far, as 20 px of disparity less 2.2 px would be
+        off = abs(100 / side_mm - 1)
+        assert f"{100 * off:.2g} % too" in along.says
+        assert float(along.says.split("by some ")[1].split(" px")[0]) == pytest.approx(20 * off, rel=0.05)
+
+
+def test_a_few_matches_are_not_enough_to_tell():
+    patches = measured(flat()).patches
+    few = replace(patches, n_tried=20 * patches.n)
+    verdict = row_verdict(few, flat().rig)
+    assert verdict.kind == "untold"
+    assert verdict.key == "rows_untold"
+
+
+def test_swapped_pictures_are_not_called_swapped_for_certain():
+    # 60 px to the right: a disparity of -40, behind the cameras
+    pair, waves = flat(), Waves.random(1)
+    right = waves.at(np.arange(200.0) + 20 - 60, np.arange(150.0)[:, None])
+    with pytest.raises(MeasurementFailed, match="shifted along its rows"):
+        measured(pair, right)

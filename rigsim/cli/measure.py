@@ -17,6 +17,8 @@ from rigsim.cli.options import Json, single_rig, takes_rig
 from rigsim.cli.rigs import RigOptions
 from rigsim.errors import InvalidRange
 
+_SQUARE = replace(quantity.BASELINE, name="square")
+
 
 @takes_rig
 def measure(
@@ -26,6 +28,12 @@ def measure(
     board: Annotated[
         str | None,
         typer.Option(metavar="ROWSxCOLS", help="Measure checker boards as well: inner corners, 6x9."),
+    ] = None,
+    square: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LENGTH", help="Known side of the boards' squares: 25mm. Tells if depths are right."
+        ),
     ] = None,
     dense: Annotated[bool, typer.Option(help="Find a disparity for every pixel.")] = True,
     matcher: Annotated[
@@ -60,6 +68,9 @@ def measure(
     Give the rig with --rig: a rig.toml, a Middlebury calib.txt, or another calibration (docs/export.md).
     """
     rows_cols = None if board is None else _board(board)
+    if square is not None and board is None:
+        raise InvalidRange(f"square {square}: is the side of a board's squares: give --board as well")
+    side_m = None if square is None else quantity.value(square, _SQUARE) / 1e3
     pixels = None if target is None else _target(target)
     searched = None if disparity is None else quantity.span(disparity, quantity.DISPARITY)
 
@@ -91,6 +102,7 @@ def measure(
             rig,
             matcher=matcher if dense else None,
             board=rows_cols,
+            square_m=side_m,
             truth=true,
             target=pixels,
             disparity_range=searched or options.disparity_range(),

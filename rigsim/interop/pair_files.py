@@ -95,7 +95,8 @@ def document(result: PairMeasurement, written: Written | None = None) -> dict[st
             "pixels": list(result.target),
             **{key: _number(value) for key, value in asdict(result.target_quality).items()},
         },
-        "warnings": [{"key": finding.key, "says": finding.says} for finding in result.findings],
+        "verdicts": [asdict(verdict) for verdict in result.verdicts],
+        "warnings": [asdict(finding) for finding in result.findings],
         "written": None if written is None else written.model_dump(),
     }
 

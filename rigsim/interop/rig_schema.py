@@ -115,6 +115,9 @@ class _Sensor(_Table):
     right_gain: _Positive | None = None
     right_offset: Annotated[_Number, Field(gt=-1, lt=1)] | None = None
     vignetting: Annotated[_Number, Field(ge=0, lt=1)] | None = None
+    black_level: Annotated[_Number, Field(ge=0, lt=255)] | None = None
+    prnu_pct: _NotNegative | None = None
+    dsnu_e: _NotNegative | None = None
     distortion: _Distortion | None = None
 
     def sensor(self) -> Sensor:

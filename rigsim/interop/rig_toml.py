@@ -19,7 +19,8 @@ Either form may hold a sensor, for both cameras; what is left out is ideal, or t
     [sensor]
     name = "IMX477"         # optional, one that `rigsim scenes` lists
     blur_px = 0.6           # and full_well_e, read_noise_e, grey_noise, gain, bits, right_gain,
-                            # right_offset, vignetting: the fields of `rigsim.measure.sensor.Sensor`
+                            # right_offset, vignetting, black_level, prnu_pct, dsnu_e: the fields of
+                            # `rigsim.measure.sensor.Sensor`
     [sensor.distortion]     # optional, keys as in [left.distortion]
     k1 = -0.05
 
@@ -190,7 +191,8 @@ def _distortion_lines(owner: str, lens: BrownConrady) -> list[str]:
 def _sensor_text(sensor: Sensor) -> str:
     lines = [
         "",
-        "# Electrons at gain 1; grey_noise in 1/255 of full scale; right_offset and vignetting in shares.",
+        "# Electrons at gain 1; grey_noise and black_level in 1/255 of full scale,",
+        "# right_offset and vignetting in shares.",
         "[sensor]",
     ]
     for field in fields(sensor):

@@ -20,22 +20,25 @@ def epipolar_offsets(left: Array, right: RowSpline, uv_left: Indices, fits: Fits
     for a rectified pair; NaN where the fit failed, or the patch does not tell (texture that runs
     straight up and down, or an image border). The windows must lie one pixel inside the left image.
     """
+    down = RowSpline.through(np.ascontiguousarray(left.T)).derivative().T
+    along = RowSpline.through(left).derivative()
     parts = []
     for first in range(0, max(len(uv_left), 1), CHUNK):
         chosen = slice(first, first + CHUNK)
         few = Fits(*(getattr(fits, item.name)[chosen] for item in fields(Fits)))
-        parts.append(_offsets(left, right, uv_left[chosen], few, radius))
+        parts.append(_offsets(left, (down, along), right, uv_left[chosen], few, radius))
     return np.concatenate(parts)
 
 
-def _offsets(left: Array, right: RowSpline, uv_left: Indices, fits: Fits, radius: int) -> Array:
+def _offsets(
+    left: Array, slopes: tuple[Array, Array], right: RowSpline, uv_left: Indices, fits: Fits, radius: int
+) -> Array:
     height = left.shape[0]
     x, y = window_offsets(radius)
     rows, columns = uv_left[:, 1:] + y, uv_left[:, :1] + x
     template = left[rows, columns]
     template -= template.mean(axis=1, keepdims=True)
-    down = (left[rows + 1, columns] - left[rows - 1, columns]) / 2
-    along = (left[rows, columns + 1] - left[rows, columns - 1]) / 2
+    down, along = (slope[rows, columns] for slope in slopes)
 
     # the fits' disparities belong to another pixel of the window than its middle
     offset = uv_left - fits.uv_left

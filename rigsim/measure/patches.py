@@ -7,10 +7,10 @@ positions handed back are always those of the images given.
 What a match can be trusted for (Robinson & Milanfar, "Fundamental performance limits in image
 registration", IEEE TIP 2004): with noise ``sigma_n`` in both images and the gradient ``g`` along the row,
 ``sigma_d >= sqrt(2) sigma_n / sqrt(sum g^2)``. The noise is what the fit leaves over, so texture the
-warp cannot explain makes a match less trusted, not more. Where the surface is no plane or the window
-straddles two of them, leaving out parts of the window or bending the warp moves the answer, and
-what it moves by beyond the noise is added as model error. Matches near a step in disparity are
-trusted half as much, and a match that none of its neighbours bears out is dropped.
+warp cannot explain makes a match less trusted, not more. Where the surface is no plane, leaving out parts
+of the window or bending the warp moves the answer, and what it moves by beyond the noise is added as
+model error. A window across two surfaces is fitted well by a plane that is neither's: the fewer neighbours
+lie on a match's plane, the less it is trusted, and with one in eight or none it is dropped.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from rigsim.measure.coarse import Blurred, Correlations, correlate, whole_window
 from rigsim.measure.epipolar import epipolar_offsets
 from rigsim.measure.images import AnyImage, grey, quantization_var, same_size
 from rigsim.measure.interest import estimate_noise, interest_points
-from rigsim.measure.neighbours import outvoted_and_at_step
+from rigsim.measure.neighbours import borne_out
 from rigsim.measure.rectify import rectify
 from rigsim.measure.refine import Fits, fit_patches
 from rigsim.measure.spline import Indices, RowSpline, derivative_noise_gain
@@ -38,13 +38,20 @@ _LEFT_RIGHT_PX = 1.5
 _WORST_STD_PX = 0.5
 _NOISE_EXCESS = 4.0  # a residual this many times the noise's variance ...
 _UNEXPLAINED = 0.05  # ... and this share of the squared gradient is another surface, not noise
+_MOST_NOISE_SHARE = 0.6  # of the gradient's energy: beyond, a match's accuracy is a guess
+_LEAST_ON_PLANE = 0.2  # share of neighbours on a match's own plane; below it, the plane spans two surfaces
+_OFF_PLANE_FACTOR = 1.3  # how much less to trust a match none of whose neighbours is on its plane
+_ONE_WAY = 1.5  # what is bent one way only, as a branch, shows less of its bend to neighbours all around
+_UNKNOWN_FACTOR = 2.0  # and one without neighbours
 _EXCESS_FROM = 1.15  # a residual's variance scatters by a tenth; beyond this it is texture that does not fit,
-_EXCESS_WEIGHT = 6.0  # which is no white noise: as a rule some six pixels err together
-_STEP_FACTOR = 2.0
-_REACH_WINDOWS = 2.0  # neighbours within so many windows are asked
+_EXCESS_STD = 1.5  # which is no white noise: it adds up to so many times what the noise does
 _JACKKNIFE_NOISE = 2.0  # of nine blocks the variance scatters by half: this much may be chance
-_CURVATURE_NOISE = 2.0
-_INTERPOLATION_PX = 5e-4  # what the spline leaves between 0.25 and 0.35 cycles/px
+_CURVATURE_NOISE = 4.0
+_MODEL_SHARE = 0.4  # of what leaving out and bending move the answer by; fitted to the bundled scenes' truth
+_INTERPOLATION_PX = 5e-4
+_INTERPOLATION_SHARE = 0.1  # of the spline's error that its correction leaves
+_ALIASED_SHARE = 1.0  # and what aliasing makes of the same fine texture, where half of the fits leave over
+_ALIASED = (1.1, 0.1)  # a tenth more than noise, or more: of noise alone it would be a twentieth
 _TEXTURE_SHARE = 0.25  # where fine texture is everywhere it is taken for noise: not for more than this
 _ROUNDING = 1e-8
 _ENOUGH = 20
@@ -150,16 +157,26 @@ def match_patches(
             f"{high} px: check that left and right are not swapped and that the rig fits them"
         )
     right_spline = RowSpline.through(right)
-    fits = fit_patches(left, gradient, right_spline, uv[kept], coarse.disparity[kept], radius=radius)
+    fits = fit_patches(
+        left,
+        gradient,
+        right_spline,
+        uv[kept],
+        coarse.disparity[kept],
+        radius=radius,
+        noise_var=gradient_noise_var / derivative_noise_gain(),
+    )
     noise_var = max(_noise_var(fits, rough_noise_var), rounding_var)
     std, noise_std = predicted_std(fits, noise_var)
     same_surface = (fits.noise_var < _NOISE_EXCESS * noise_var) | (
         fits.noise_var < _UNEXPLAINED * fits.gradient_energy
     )
     trusted = np.isfinite(fits.disparity) & same_surface & (std < _WORST_STD_PX)
-    outvoted, at_step = outvoted_and_at_step(fits, trusted, _REACH_WINDOWS * window)
-    trusted &= ~outvoted
-    std = np.where(at_step, _STEP_FACTOR * std, std)
+    trusted &= noise_share(fits, noise_var) < _MOST_NOISE_SHARE
+    outvoted, on_plane, bend = borne_out(fits, trusted, std, noise_std, window=window)
+    trusted &= ~outvoted & ~(on_plane < _LEAST_ON_PLANE)
+    std = np.hypot(std, _ONE_WAY * bend)
+    std *= np.where(np.isnan(on_plane), _UNKNOWN_FACTOR, 1 + _OFF_PLANE_FACTOR * (1 - on_plane))
     if not trusted.any():
         raise MeasurementFailed(
             f"none of {int(kept.sum())} matches could be refined: the images differ by more than shifts along"
@@ -199,16 +216,26 @@ def predicted_std(fits: Fits, noise_var: float) -> tuple[Array, Array]:
         noise_var: least variance of one image's noise, grey^2; a fit that leaves more over has more.
     """
     local_var = np.maximum(fits.noise_var, noise_var)
-    residual_std = np.sqrt(local_var * (1 + fits.gain**2))
+    residual_std = np.sqrt(local_var * fits.noise_weight)
     # the template's gradient is noisy too: what it adds to the energy carries no information
-    share = np.minimum(derivative_noise_gain() * local_var / fits.gradient_energy, 0.9)
+    share = np.minimum(noise_share(fits, noise_var), 0.9)
     noise_std = fits.noise_std * residual_std / (1 - share)
     bend_std = fits.curvature_noise_std * residual_std
-    excess = np.maximum(fits.noise_var - _EXCESS_FROM * noise_var, 0) / local_var
-    misfit = (_EXCESS_WEIGHT - 1) * excess * noise_std**2
     parts = np.maximum(fits.jackknife_std**2 - _JACKKNIFE_NOISE * noise_std**2, 0)
     bend = np.maximum(fits.curvature_px**2 - _CURVATURE_NOISE * bend_std**2, 0)
-    return np.sqrt(noise_std**2 + misfit + parts + bend + _INTERPOLATION_PX**2), noise_std
+    excess = np.clip(fits.noise_var / noise_var - _EXCESS_FROM, 0, 1)
+    misfit = excess * (_EXCESS_STD * fits.noise_std) ** 2 * noise_var * fits.noise_weight
+    known = fits.noise_var[np.isfinite(fits.noise_var)]
+    typical = float(np.median(known)) / noise_var if len(known) >= _ENOUGH and noise_var > 0 else 1.0
+    aliased = float(np.clip((typical - _ALIASED[0]) / _ALIASED[1], 0, 1))
+    fine = (_INTERPOLATION_SHARE + _ALIASED_SHARE * aliased) * fits.interpolation_px
+    spline = _INTERPOLATION_PX**2 + fine**2
+    return np.sqrt(noise_std**2 + _MODEL_SHARE * (parts + bend) + misfit + spline), noise_std
+
+
+def noise_share(fits: Fits, noise_var: Array | float) -> Array:
+    """Share of the gradient's energy that is noise of variance `noise_var` grey^2, (N,)."""
+    return np.asarray(derivative_noise_gain() * noise_var / fits.gradient_energy)
 
 
 def fits_rig(image: Array, rig: StereoRig) -> None:

@@ -4,8 +4,9 @@ A rendered picture is linear light, 0 to 1 (1 fills the exposure). `optics` is w
 frame, `digitise` what differs: a noise level costs no new render. Every number at zero is the ideal pinhole:
 then only the rounding to grey levels is left, and with `bits` 0 nothing.
 
-Noise: electrons ``e = signal * full_well_e / gain`` carry photon shot noise (Poisson, drawn from its
-Gaussian limit) and Gaussian read noise, as in the linear camera model of EMVA Standard 1288.
+Noise: electrons ``e = signal * full_well_e / gain`` carry photon shot noise (Poisson) and Gaussian read
+noise, as in the linear camera model of EMVA Standard 1288, release 4.0; a pixel's own gain (PRNU) and dark
+level (DSNU) stay the same from frame to frame, and each camera has its own.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from rigsim.rig.intrinsics import Intrinsics
 Side = Literal["left", "right"]
 
 _BITS = (0, 8, 10, 12, 16)
+_MOST_ELECTRONS = 1e15  # beyond some 9e18 photons cannot be drawn, and far below they are no noise
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +59,13 @@ class Sensor:
     """Level of the right picture above the left's, share of full scale."""
     vignetting: float = 0.0
     """Loss of light in the picture's corners, 0 to 1: 1 - vignetting * (r / r_corner)^2."""
+    black_level: float = 0.0
+    """Mean level of a picture taken in the dark, 1/255 of full scale, that all light comes on top of; below
+    some four standard deviations of the dark noise, the converter cuts part of that noise off at 0."""
+    prnu_pct: float = 0.0
+    """Standard deviation of the pixels' gains, percent of their mean (EMVA 1288: PRNU)."""
+    dsnu_e: float = 0.0
+    """Standard deviation of the pixels' dark levels, electrons (EMVA 1288: DSNU); needs `full_well_e`."""
 
     def __post_init__(self) -> None:
         for name, value, unit in (
@@ -64,6 +73,8 @@ class Sensor:
             ("full well", self.full_well_e, " e-"),
             ("read noise", self.read_noise_e, " e-"),
             ("grey noise", self.grey_noise, ""),
+            ("PRNU", self.prnu_pct, " %"),
+            ("DSNU", self.dsnu_e, " e-"),
         ):
             if not (math.isfinite(value) and value >= 0):
                 raise InvalidRig(f"sensor: {name} {value:g}{unit}: must be >= 0 and finite")
@@ -74,12 +85,23 @@ class Sensor:
             raise InvalidRig(f"sensor: right offset {self.right_offset:g}: must be between -1 and 1")
         if not 0 <= self.vignetting < 1:
             raise InvalidRig(f"sensor: vignetting {self.vignetting:g}: must be >= 0 and < 1")
+        if not 0 <= self.black_level < 255:
+            raise InvalidRig(
+                f"sensor: black level {self.black_level:g}: must be >= 0 and < 255, which is full scale"
+            )
         if self.bits not in _BITS:
             raise InvalidRig(f"sensor: {self.bits} bits: must be one of {', '.join(map(str, _BITS))}")
-        if self.read_noise_e > 0 and self.full_well_e == 0:
+        for name, value in (("read noise", self.read_noise_e), ("DSNU", self.dsnu_e)):
+            if value > 0 and self.full_well_e == 0:
+                raise InvalidRig(
+                    f"sensor: {name} {value:g} e- without a full well: give full_well_e, which says how many "
+                    "electrons are full scale"
+                )
+
+        if self.full_well_e / self.gain > _MOST_ELECTRONS:
             raise InvalidRig(
-                f"sensor: read noise {self.read_noise_e:g} e- without a full well: give full_well_e, "
-                "which says how many electrons are full scale"
+                f"sensor: full well {self.full_well_e:g} e- at gain {self.gain:g}: at most "
+                f"{_MOST_ELECTRONS:g} electrons can be counted; 0 is no photon noise"
             )
 
     @property
@@ -93,9 +115,14 @@ class Sensor:
         return self.full_scale * self.gain / self.full_well_e if self.full_well_e else 0.0
 
     def noise_std(self, level: Array | float) -> Array:
-        """Standard deviation of the noise, grey levels, at a grey level; rounding included."""
+        """Standard deviation of a pixel from frame to frame, grey levels, where its mean is `level`.
+
+        Rounding is included; the fixed pattern of PRNU and DSNU, which is no noise of time, is not, and
+        neither is what the converter cuts off at either end.
+        """
         k = self.grey_per_electron
-        shot = k * np.maximum(np.asarray(level, dtype=np.float64), 0.0)
+        black = self.black_level / 255 * self.full_scale
+        shot = k * np.maximum(np.asarray(level, dtype=np.float64) - black, 0.0)
         rounding = 1 / 12 if self.bits else 0.0
         white = (k * self.read_noise_e) ** 2 + (self.grey_noise / 255 * self.full_scale) ** 2
         return np.asarray(np.sqrt(shot + white + rounding))
@@ -110,7 +137,7 @@ def expose(
     supersample: int = 1,
 ) -> AnyImage:
     """`optics`, then `digitise`: a picture in grey levels of linear light (k H, k W[, 3]), 0 to 1."""
-    return digitise(optics(linear_image, sensor, side, supersample=supersample), sensor, rng)
+    return digitise(optics(linear_image, sensor, side, supersample=supersample), sensor, rng, side)
 
 
 def optics(
@@ -188,7 +215,7 @@ def average_pixels(image: AnyImage, k: int) -> Array:
 
 
 def digitise(
-    light: Array, sensor: Sensor, rng: np.random.Generator, *, frames: int | None = None
+    light: Array, sensor: Sensor, rng: np.random.Generator, side: Side = "left", *, frames: int | None = None
 ) -> AnyImage:
     """Grey levels of linear light (H, W) or (H, W, 3), with new noise at every call.
 
@@ -196,24 +223,43 @@ def digitise(
         light: What `optics` returned.
         sensor: Its electrons and bits.
         rng: Where the noise comes from.
+        side: Whose pattern of PRNU and DSNU it is; a camera of one size has one pattern for good.
         frames: Return so many noisy pictures, (frames, H, W[, 3]), instead of one.
 
     Returns:
         uint8 for 8 bits, uint16 for 10, 12 and 16 (0 to 2^bits - 1), float64 0 to 1 for 0 bits.
     """
     shape = light.shape if frames is None else (frames, *light.shape)
-    level = np.broadcast_to(light, shape)
-    variance = np.full((), (sensor.grey_noise / 255) ** 2)
+    gains, darks = _pattern(light.shape, sensor, side)
+    signal = light * gains
+    white_var = (sensor.grey_noise / 255) ** 2
+    level = np.broadcast_to(signal, shape)
     if sensor.full_well_e:
-        electrons = sensor.full_well_e / sensor.gain
-        variance = variance + np.maximum(light, 0.0) / electrons + (sensor.read_noise_e / electrons) ** 2
-    if variance.any():
+        per_light = sensor.full_well_e / sensor.gain
+        white_var += (sensor.read_noise_e / per_light) ** 2
+        # an offset below zero, as a mismatched right picture may have, is no light
+        level = np.minimum(signal, 0.0) + rng.poisson(np.maximum(signal, 0.0) * per_light, shape) / per_light
+        level = level + darks / per_light
+    if white_var:
         noisy = rng.standard_normal(shape)
-        noisy *= np.sqrt(variance)
-        noisy += light
+        noisy *= math.sqrt(white_var)
+        noisy += level
         level = noisy
+    if sensor.black_level:
+        level = level + sensor.black_level / 255
     if not sensor.bits:
         return np.array(level)
     grey = np.rint(level * sensor.full_scale)
     np.clip(grey, 0.0, sensor.full_scale, out=grey)
     return grey.astype(np.uint8 if sensor.bits == 8 else np.uint16)
+
+
+def _pattern(shape: tuple[int, ...], sensor: Sensor, side: Side) -> tuple[Array, Array]:
+    """What one camera's pixels of `shape` multiply light by, and the electrons they add to it."""
+    rng = np.random.default_rng(np.random.SeedSequence(1288, spawn_key=(side == "right", *shape)))
+    gains, darks = np.ones(()), np.zeros(())
+    # both are always drawn, so that one does not change with the other
+    if sensor.prnu_pct or sensor.dsnu_e:
+        first, second = rng.standard_normal((2, *shape))
+        gains, darks = np.maximum(1 + sensor.prnu_pct / 100 * first, 0.0), sensor.dsnu_e * second
+    return gains, darks

@@ -15,8 +15,8 @@ from rigsim.present.console import make_console, print_table
 from rigsim.present.format import count, length, length_mm, number, percent
 from rigsim.present.pictures import disparity_picture, encode, picture_limits, with_scale
 from rigsim.rig.arrays import Array, Image
-from rigsim.study.pair_findings import is_misaligned
-from rigsim.study.pair_result import DenseMap, PairMatches, PairMeasurement, eight_bit
+from rigsim.study.pair_result import DenseMap, Finding, PairMatches, PairMeasurement, eight_bit
+from rigsim.study.pair_rows import row_verdict, verdict_words
 from rigsim.study.pair_truth import OUTLIER_PX, DenseErrors
 
 _BINS = 5
@@ -77,10 +77,15 @@ def print_pair(
         _say(console, f"Warning: {finding.says}", style="bold yellow")
     console.print()
     for matches in result.matches:
-        for sentence in _sentences(matches):
+        rows = result.verdicts[0] if matches is result.best_matches else row_verdict(matches, rig)
+        for sentence in _sentences(matches, rows):
             _say(console, sentence)
         console.print()
         _print_by_depth(matches, console)
+    for verdict in result.verdicts:
+        if verdict.kind == "untold" or verdict.key == "along_rows":
+            _say(console, verdict.says)
+    console.print()
     if result.boards:
         _print_boards(result, console)
     if result.dense is not None:
@@ -104,7 +109,7 @@ def pair_pictures(result: PairMeasurement) -> dict[str, bytes]:
     return files
 
 
-def _sentences(matches: PairMatches) -> Iterator[str]:
+def _sentences(matches: PairMatches, rows: Finding) -> Iterator[str]:
     what = "points of the left picture were matched" if matches.kind == "patches" else "corners were found"
     depth = matches.points_left[:, 2]
     depth = depth[np.isfinite(depth)]
@@ -115,10 +120,9 @@ def _sentences(matches: PairMatches) -> Iterator[str]:
     yield f"{matches.kind.capitalize()}: {count(matches.n)} of {count(matches.n_tried)} {what}{where}."
     rms = matches.epipolar_rms_px
     if math.isfinite(rms):
-        verdict = "see the warning" if is_misaligned(matches) else "the rig fits"
         yield (
             f"They lie {_px(rms)} px (RMS) off their epipolar lines, half of them within "
-            f"{_px(matches.epipolar_typical_px)} px: {verdict}."
+            f"{_px(matches.epipolar_typical_px)} px: {verdict_words(rows)}."
         )
     yield (
         f"Predicted standard deviation of a disparity: {number(matches.predicted_std_px, 2)} px in the "

@@ -122,6 +122,18 @@ def sensor_entries(sensor: Sensor, name: str) -> list[Entry]:
             ("Full well", plain(sensor.full_well_e), "e⁻", "electrons that fill a pixel at gain 1")
         )
         entries.append(("Read noise", plain(sensor.read_noise_e), "e⁻", "beside the photons' own shot noise"))
+    for label, size, unit, meaning in (
+        (
+            "Pixels' gains",
+            sensor.prnu_pct,
+            "%",
+            "scatter from pixel to pixel, the same in every frame (PRNU)",
+        ),
+        ("Pixels' dark levels", sensor.dsnu_e, "e⁻", "scatter from pixel to pixel (DSNU)"),
+        ("Black level", sensor.black_level, "grey of 255", "a picture's level in the dark"),
+    ):
+        if size:
+            entries.append((label, plain(size), unit, meaning))
     if sensor.gain != 1:
         entries.append(("Gain", plain(sensor.gain), "×", "so many times fewer electrons are full scale"))
     if sensor.grey_noise:

@@ -18,18 +18,24 @@ from rigsim.measure.matcher import Matcher
 from rigsim.measure.opencv import load_cv2
 from rigsim.measure.pairing import match_boards
 from rigsim.measure.patches import PatchMatches, fits_rig, match_patches
+from rigsim.measure.vertical import VerticalShift, find_vertical_shift
 from rigsim.rig.arrays import Array
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.pose import skew
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.pair_along import along_verdict
 from rigsim.study.pair_dense import dense_map, target_quality
-from rigsim.study.pair_findings import LOW_SHARE, board_findings, dense_findings, match_findings
+from rigsim.study.pair_findings import board_findings, dense_findings, match_findings
 from rigsim.study.pair_result import BoardFit, Finding, PairMatches, PairMeasurement, Target
+from rigsim.study.pair_rows import LOW_SHARE, row_verdict, shift_words
 from rigsim.study.pair_truth import MatchErrors, check_truth, match_errors, truth_at
 from rigsim.theory.triangulation import triangulate
 from rigsim.theory.uncertainty import pixel_gain, predict_depth_std
 
 _SWAPPED = 3  # times as many matches the other way round
+_SEARCHED_BELOW = 0.5  # share of points that tell something of the rows
+_BETTER = 2  # times as many matches on other rows
+_LEAST_SHIFT_PX = 0.5
 
 
 def measure_pair(
@@ -39,6 +45,7 @@ def measure_pair(
     *,
     matcher: Matcher | None = "sgbm",
     board: tuple[int, int] | None = None,
+    square_m: float | None = None,
     truth: Array | None = None,
     target: Target | None = None,
     disparity_range: tuple[float, float] | None = None,
@@ -53,6 +60,7 @@ def measure_pair(
         rig: the calibration of both.
         matcher: who finds the dense disparities (`rigsim.measure.dense`); None measures none.
         board: rows and columns of inner corners of boards that are to be measured as well.
+        square_m: known side of the boards' squares, m, which tells whether depths are right.
         truth: true disparity ``u_left - u_right`` at the left pixels, (H, W), px; not finite where unknown.
         target: pixels of a flat target, whose dense disparities are judged by themselves.
         disparity_range: least and largest disparity to search, px.
@@ -75,20 +83,33 @@ def measure_pair(
         corners, boards = _corners(image_left, image_right, rig, board, truth)
 
     found: PatchMatches | None = None
+    shift: VerticalShift | None = None
     try:
         found = match_patches(image_left, image_right, rig, disparity_range=disparity_range)
     except MeasurementFailed as error:
-        _refuse_swapped(image_left, image_right, rig, 0, disparity_range)
+        shift = _on_other_rows(image_left, image_right, rig, None, disparity_range)
+        if shift is None:
+            _refuse_swapped(image_left, image_right, rig, 0, disparity_range)
         if corners is None:
-            raise
-        findings.append(Finding("no_patches", f"Corners alone were measured. Patches: {error}."))
+            where = "" if shift is None else f". {shift_words(shift.rows_px, rig)} Calibrate or rectify again"
+            raise MeasurementFailed(f"{error}{where}") from None
+        findings.append(Finding("no_patches", f"Corners alone were measured. Patches: {error}.", "untold"))
     patches = None if found is None else _patches(found, rig, truth)
     if patches is not None:
-        if patches.n < LOW_SHARE * patches.n_tried:
+        shift = _on_other_rows(image_left, image_right, rig, patches, disparity_range)
+        if shift is None and patches.n < LOW_SHARE * patches.n_tried:
             _refuse_swapped(image_left, image_right, rig, patches.n, disparity_range)
+    measured = tuple(matches for matches in (patches, corners) if matches is not None)
+    rows = row_verdict(measured[0], rig, None if shift is None else shift.rows_px)
+    if patches is not None:
         findings += match_findings(patches, rig)
     if corners is not None:
-        findings += board_findings(corners, rig, alone=patches is None)
+        findings += board_findings(corners, rig)
+    if rows.kind == "flagged":
+        findings.append(rows)
+    along = along_verdict(measured, findings, rig, boards, square_m)
+    if along.key == "scale":
+        findings.append(along)
 
     dense = None
     if matcher is not None:
@@ -107,6 +128,7 @@ def measure_pair(
         target=target,
         target_quality=None if target is None or dense is None else target_quality(dense, truth, target),
         findings=tuple(findings),
+        verdicts=(rows, along),
         provenance=dict(provenance or {}),
     )
 
@@ -153,6 +175,29 @@ def _check(
             )
 
 
+def _on_other_rows(
+    image_left: AnyImage,
+    image_right: AnyImage,
+    rig: StereoRig,
+    patches: PairMatches | None,
+    disparity_range: tuple[float, float] | None,
+) -> VerticalShift | None:
+    """The vertical shift after which the pair matches far better, where it matches badly as it is."""
+    if patches is not None:
+        telling = np.isfinite(patches.epipolar_px).sum()
+        if telling >= _SEARCHED_BELOW * patches.n_tried:
+            return None
+    try:
+        shift = find_vertical_shift(image_left, image_right, rig, disparity_range=disparity_range)
+    except MeasurementFailed:
+        return None
+    if shift is None or abs(shift.rows_px) < _LEAST_SHIFT_PX:
+        return None
+    share = 0.0 if patches is None else patches.n / patches.n_tried
+    moved = shift.matches
+    return shift if moved.n_valid > _BETTER * share * len(moved.score) else None
+
+
 def _refuse_swapped(
     image_left: AnyImage,
     image_right: AnyImage,
@@ -168,8 +213,9 @@ def _refuse_swapped(
     tried = len(swapped.observations.valid)
     if swapped.n_valid >= max(_SWAPPED * n, LOW_SHARE * tried):
         raise MeasurementFailed(
-            f"left and right image are swapped: {swapped.n_valid} of {tried} points match the other way "
-            f"round, {n} this way"
+            f"it looks as if left and right image are swapped: {swapped.n_valid} of {tried} points match the "
+            f"other way round, {n} this way; a right picture shifted along its rows until all lies beyond "
+            "infinity does the same"
         )
 
 

@@ -1,4 +1,4 @@
-"""What a measured pair gives away about its calibration and its truth, in sentences with numbers."""
+"""What a measured pair gives away about its truth and its matcher, in sentences with numbers."""
 
 from __future__ import annotations
 
@@ -10,28 +10,15 @@ import numpy as np
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.pair_result import DenseMap, Finding, PairMatches
-
-LOW_SHARE = 0.08
-"""Rectified pairs match a tenth of their points even in heavy noise; swapped ones, or pairs whose rows
-are several pixels off, a twentieth at most."""
-
-EPIPOLAR_RMS_PX = 0.3
-"""A pair that is off by a third of a row shows more than this."""
-
-EPIPOLAR_TYPICAL_PX = 0.1
-"""Half of the matches of a pair whose rows correspond are nearer than this in any noise; a few wrong ones
-alone can raise the RMS."""
+from rigsim.study.pair_rows import LOW_SHARE
 
 _ENOUGH = 30
 _SHIFT_PX = 0.1
 _DENSE_SHIFT_PX = 0.25  # sgbm alone is off by a tenth
 _CERTAIN = 5.0
 _WITHIN_PCT = 90.0
-_TILT_PX = 0.15
-_HUBER_PX = 0.3
 _MOST_OUTLIERS_PCT = 50.0
 _READ_PX = 1.0
-_REWEIGHTED = 20
 
 
 def match_findings(matches: PairMatches, rig: StereoRig) -> Iterator[Finding]:
@@ -43,15 +30,13 @@ def match_findings(matches: PairMatches, rig: StereoRig) -> Iterator[Finding]:
             f"Only {matches.n} of {matches.n_tried} points ({100 * share:.1f} %) found a match that can be "
             "trusted: is the pair rectified as the rig says, taken at one moment, in focus, and of something "
             "with texture? What matched may be chance.",
+            "untold",
         )
-    yield from _row_findings(matches, rig)
     yield from _error_findings(matches, rig)
 
 
-def board_findings(corners: PairMatches, rig: StereoRig, *, alone: bool) -> Iterator[Finding]:
-    """What corners say; of the rows only when they are `alone`, for the patches have said it."""
-    if alone:
-        yield from _row_findings(corners, rig)
+def board_findings(corners: PairMatches, rig: StereoRig) -> Iterator[Finding]:
+    """What corners say."""
     yield from _error_findings(corners, rig)
 
 
@@ -64,6 +49,7 @@ def dense_findings(dense: DenseMap, truth: Array | None, matches: PairMatches | 
             "dense_not_judged",
             "The rig is not rectified: dense disparities belong to the rectified pair, and the truth does "
             "not, so only matches are compared with it.",
+            "untold",
         )
         return
     known = np.isfinite(dense.disparity) & np.isfinite(truth)
@@ -78,52 +64,6 @@ def dense_findings(dense: DenseMap, truth: Array | None, matches: PairMatches | 
             f"Half of the dense disparities are {_too(bias)} by {abs(bias):.2f} px or more, which matched "
             "patches are not: the matcher shifts, or takes a pixel's middle for its corner.",
         )
-
-
-def is_misaligned(matches: PairMatches) -> bool:
-    """Whether matches lie off their epipolar lines by more than noise and a few wrong ones explain."""
-    return matches.epipolar_rms_px > EPIPOLAR_RMS_PX and matches.epipolar_typical_px > EPIPOLAR_TYPICAL_PX
-
-
-def _row_findings(matches: PairMatches, rig: StereoRig) -> Iterator[Finding]:
-    if not is_misaligned(matches):
-        return
-    rms = matches.epipolar_rms_px
-    claimed = "rectified as the rig says" if rig.is_rectified else "as the rig says"
-    # what matches by chance tells nothing about the kind of error
-    fault = _row_fault(matches) + " " if matches.n >= LOW_SHARE * matches.n_tried else ""
-    yield Finding(
-        "not_rectified",
-        f"The pair is not {claimed}: matches lie {rms:.2f} px (RMS) off their epipolar lines, at most "
-        f"{EPIPOLAR_RMS_PX:g} is usual. {fault}Depths and predicted accuracies are not to be trusted: "
-        "calibrate or rectify again.",
-    )
-
-
-def _row_fault(matches: PairMatches) -> str:
-    """What kind of error the rows show: ``offset = a + b u + c v``, fitted with little weight on outliers."""
-    known = np.isfinite(matches.epipolar_px)
-    offset, uv = matches.epipolar_px[known], matches.uv_right[known]
-    middle = (uv.max(axis=0) + uv.min(axis=0)) / 2
-    half_width, half_height = np.maximum(np.ptp(uv, axis=0) / 2, 1.0)
-    fitted = np.array([float(np.median(offset)), 0.0, 0.0])
-    if len(offset) >= _ENOUGH:
-        J = np.column_stack([np.ones(len(uv)), uv - middle])
-        for _ in range(_REWEIGHTED):
-            off = np.abs(offset - J @ fitted)
-            weight = np.sqrt(_HUBER_PX / np.maximum(off, _HUBER_PX))
-            fitted = np.linalg.lstsq(J * weight[:, None], offset * weight, rcond=None)[0]
-    says = []
-    if abs(fitted[0]) > _SHIFT_PX:
-        says.append(f"{abs(fitted[0]):.2f} px too {'low' if fitted[0] > 0 else 'high'}")
-    if abs(fitted[1]) * half_width > _TILT_PX:
-        turn = "clockwise" if fitted[1] > 0 else "counter-clockwise"
-        says.append(f"turned {turn} by about {math.degrees(abs(math.atan(fitted[1]))):.2g} deg")
-    if abs(fitted[2]) * half_height > _TILT_PX:
-        says.append(f"{'larger' if fitted[2] > 0 else 'smaller'} by about {100 * abs(fitted[2]):.2g} %")
-    if not says:
-        return "They share no shift and no turn: wrong matches, or pictures not taken at one moment."
-    return f"The right picture is {_listed(says)}."
 
 
 def _error_findings(matches: PairMatches, rig: StereoRig) -> Iterator[Finding]:
@@ -183,7 +123,3 @@ def _misread(matches: PairMatches, rig: StereoRig) -> str:
 
 def _too(bias: float) -> str:
     return "too large (too near)" if bias > 0 else "too small (too far)"
-
-
-def _listed(parts: list[str]) -> str:
-    return " and ".join([", ".join(parts[:-1]), parts[-1]]) if len(parts) > 1 else parts[0]

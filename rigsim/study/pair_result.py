@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 
@@ -17,14 +18,19 @@ Target = tuple[int, int, int, int]
 """A rectangle of pixels: first column, first row, width and height."""
 
 
+FindingKind = Literal["agrees", "flagged", "untold"]
+
+
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """Something that should make one doubt the numbers."""
+    """What was concluded of one question, and the numbers behind it."""
 
     key: str
-    """Its name for machines."""
+    """Its reason, a name for machines."""
     says: str
     """A sentence or two for people, with numbers."""
+    kind: FindingKind = "flagged"
+    """agrees, flagged (something should make one doubt the numbers), or untold: not enough to tell."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -188,6 +194,8 @@ class PairMeasurement:
     """Dense disparities of the target judged as the Depth Quality Tool does."""
     findings: tuple[Finding, ...] = ()
     """What should make one doubt the numbers."""
+    verdicts: tuple[Finding, ...] = ()
+    """Whether rows correspond as the rig says, and whether what rows cannot tell is right."""
     provenance: dict[str, object] = field(default_factory=dict)
     """Where pictures and numbers come from: JSON values only."""
 

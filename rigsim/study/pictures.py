@@ -47,17 +47,23 @@ class Exposure:
     def pictures(self, sensor: Sensor, rng: np.random.Generator) -> Pictures:
         """Take both pictures, with new noise, and rectify them where the sensor's lens distorts."""
         taken: list[AnyImage] = []
-        for light, camera, target in zip(
-            self.light, self.cameras, (self.rig.left, self.rig.right), strict=True
+        for side, light, camera, target in zip(
+            _SIDES, self.light, self.cameras, (self.rig.left, self.rig.right), strict=True
         ):
-            image = digitise(light, sensor, rng)
+            image = digitise(light, sensor, rng, side)
             taken.append(image if camera == target else rectify_image(image, camera, target))
         return Pictures(taken[0], taken[1])
 
 
 def without_noise(sensor: Sensor) -> Sensor:
     """The sensor's lens alone: sensors that share it share their `Exposure`."""
-    return replace(sensor, full_well_e=0.0, read_noise_e=0.0, grey_noise=0.0, gain=1.0, bits=8)
+    return Sensor(
+        blur_px=sensor.blur_px,
+        distortion=sensor.distortion,
+        right_gain=sensor.right_gain,
+        right_offset=sensor.right_offset,
+        vignetting=sensor.vignetting,
+    )
 
 
 def expose_pair(simulator: Simulator, rig: StereoRig, sensor: Sensor, supersample: int) -> Exposure:

@@ -187,10 +187,24 @@ class Warned(Part):
         "dense_shift",
         "dense_not_judged",
         "no_patches",
+        "scale",
     ]
     """What it is."""
     says: str
     """The same in a sentence or two."""
+    kind: Literal["agrees", "flagged", "untold"]
+    """Whether it was found wrong, or could not be told."""
+
+
+class Verdict(Part):
+    """What was concluded of one question."""
+
+    key: Literal["rows_fit", "rows_untold", "not_rectified", "along_rows", "scale"]
+    """Its reason: rows_* and not_rectified of the rows, along_rows and scale of what rows cannot tell."""
+    says: str
+    """The same in a sentence or two, with numbers."""
+    kind: Literal["agrees", "flagged", "untold"]
+    """untold: not enough to tell."""
 
 
 class MeasureDocument(Part):
@@ -211,6 +225,8 @@ class MeasureDocument(Part):
     """Null with --no-dense."""
     target: Target | None
     """Null without --target."""
+    verdicts: list[Verdict]
+    """Whether the rows fit, and whether what rows cannot tell is right."""
     warnings: list[Warned]
     """What should make one doubt the numbers."""
     written: Written | None
