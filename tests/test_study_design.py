@@ -14,14 +14,16 @@ from sampling import close
 from rigsim.errors import InvalidRange, InvalidRig, InvalidScene
 from rigsim.measure.sensor import Sensor
 from rigsim.rig.noise import PixelNoise
-from rigsim.study.design import MARGIN, PREFERENCES, Candidate, Design, pareto_front, solve, specify
+from rigsim.study.design import PREFERENCES, Candidate, Design, pareto_front, solve, specify
+from rigsim.study.design_budget import MARGIN
 from rigsim.study.design_document import design_document, recommended
 from rigsim.study.design_proof import prove, settle_and_prove
 from rigsim.study.design_room import Room, measured_noise_px
 from rigsim.study.design_tolerance import design_tolerance
 from rigsim.study.measured import Measured
 from rigsim.study.plan import Plan
-from rigsim.theory.inverse import P95_OVER_STD, Camera, Requirement
+from rigsim.theory.inverse import Camera, Requirement
+from rigsim.theory.inverse_error import P95_OVER_STD
 
 CAMERAS = [
     Camera(w, h, w / 2 / math.tan(math.radians(fov) / 2))

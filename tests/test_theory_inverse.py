@@ -18,13 +18,13 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.theory.inverse import (
     GATES,
     LOWER,
-    P95_OVER_STD,
     Camera,
     Interval,
     Requirement,
     baseline_interval,
     relaxations,
 )
+from rigsim.theory.inverse_error import P95_OVER_STD
 from rigsim.theory.limits import depth_range_for_disparities, overlap_at_depth
 from rigsim.theory.uncertainty import depth_bounds, predict_depth_std
 
