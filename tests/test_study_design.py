@@ -293,7 +293,7 @@ def test_the_farthest_depth_error_is_what_the_build_is_held_to() -> None:
     assert found is not None
     close([found.result.required.error_m, found.result.required.depth_m], [0.0588, 3.0])
     assert found.result.required.p95
-    close(found.noise_error_m, pick.far_error_m, rtol=1e-12)
+    close(found.noise_error_m, pick.far_error_m, rtol=1e-3)
     assert [item.name for item in found.yields] == ["printed", "machined", "calibrated"]
     built = [item.as_built.share for item in found.yields]
     assert built == sorted(built)

@@ -12,7 +12,7 @@ from rigsim.study.tolerance_judge import Judge
 
 GOOD = 0.95
 """Share of the rigs that must be good."""
-_RIGS = 2000
+_RIGS = 8000
 _POINTS = 32
 _ROUNDS = 40
 
@@ -70,6 +70,6 @@ def _largest_factor(fields: Array, judge: Judge, share: float) -> float:
     for _ in range(_ROUNDS):
         middle = (low + high) / 2
         low, high = (middle, high) if enough(middle) else (low, middle)
-        if high - low < 1e-6 * high:
+        if high - low < 1e-4 * high:
             break
     return low

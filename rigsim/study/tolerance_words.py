@@ -50,12 +50,11 @@ def yield_sentence(result: ToleranceResult) -> str:
 
 
 def _percent(good: Mask) -> str:
-    return f"{percent_words(float(good.mean()))} %"
-
-
-def percent_words(share: float) -> str:
-    """A share in percent with three digits, without the sign."""
-    return f"{100 * share:.3g}"
+    """A share in percent; 0 and 100 only where all agree."""
+    share = float(good.mean())
+    if 0 < share < 0.0005:
+        return "< 0.1 %"
+    return "> 99.9 %" if 0.9995 <= share < 1 else f"{100 * share:.3g} %"
 
 
 def informed_sentence(result: ToleranceResult) -> str:
