@@ -33,12 +33,13 @@ def test_json_by_hand(capsys: pytest.CaptureFixture[str]) -> None:
     assert (row["quantity"], row["unit"], row["tolerance"]) == ("baseline_mm", "mm", pytest.approx(0.2))
     assert row["depth_error_mm"] == pytest.approx([5 / 3, 5.0, 25 / 3])
     assert row["common_mm"] == pytest.approx(-5.0)
-    # noise of 0.25 px errs 9000 x 0.35355 / 108 = 29.46 mm: 5.65 mm are left, 0.226 mm of baseline
-    assert row["needed_alone"] == pytest.approx(0.226 / 1.96, rel=0.02)
+    # noise of 0.25 px errs 9000 x 0.35355 / 108 = 29.47 mm with a bias of 0.29 mm, and 4 e / Z more of its
+    # square where the rig reads e farther: e^2 + (4 x 868.8 / 3000 + 2 x 0.29) e = 900 - 868.8 at 4.785 mm
+    assert row["needed_alone"] == pytest.approx(4.785 / 25 / 1.96, rel=0.01)
     none = {"recalibrated": None, "recalibrated_informed": None}
     assert said["yield_build_alone"] == {"as_built": 1.0, **none}
-    # 0.2 mm is a standard deviation: 0.226 mm hold 74.2 % of a normal
-    assert said["yield"]["as_built"] == pytest.approx(0.742, abs=0.02)
+    # and nearer at -6.52 mm: of a normal of 5 mm 73.5 % lie between
+    assert said["yield"]["as_built"] == pytest.approx(0.735, abs=0.02)
     assert said["depths"][1]["noise_mm"] == pytest.approx(29.46, rel=1e-3)
     assert [item["distance_mm"] for item in said["depths"]] == [1000.0, 3000.0, 5000.0]
 
