@@ -14,6 +14,7 @@ from scipy.optimize import least_squares
 
 from rigsim.errors import InvalidRange
 from rigsim.rig.arrays import Array
+from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.perturbation import NAMES, Perturbation
 from rigsim.rig.presets import PRESETS
 from rigsim.rig.stereo import StereoRig
@@ -484,3 +485,14 @@ def test_slips_are_named() -> None:
         run_tolerance(RIG, Tolerances(yaw_deg=1), Requirement(0.1, 3.0), (5.0, 1.0))
     with pytest.raises(InvalidRange, match="rigs 1: must be >= 2"):
         small_run(Tolerances(yaw_deg=1), Requirement(0.1, 3.0), n_rigs=1)
+
+
+def test_a_focal_length_of_both_is_a_share_of_unequal_lenses_too() -> None:
+    # 1 % longer, both: every ray seems 1 % steeper and every depth 1/100 nearer, whatever the lenses
+    right = Intrinsics.from_focal(1280, 720, 450.0)
+    rig = StereoRig.rectified(Intrinsics.from_focal(1280, 720, 900.0), 0.12, right=right)
+    points = np.array([[0.4, 0.1, 3.0], [-0.3, -0.2, 3.0]])
+    off = causes(rig, Tolerances(both_focal_px=9.0))
+    close(first_order(rig, off, points), [[-0.03], [-0.03]], rtol=1e-9)
+    pixels = RigBatch(rig, 9.0 * np.eye(len(PARAMETERS))[[PARAMETERS.index("both_focal_px")]]).project(points)
+    close(triangulate(rig, pixels[:2, 0].T, pixels[2:, 0].T)[:, 2], 3.0 / 1.01, rtol=1e-9)
