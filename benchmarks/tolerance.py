@@ -66,7 +66,7 @@ def peak_mb() -> float:
 def worst_reference(rig: StereoRig) -> float:
     rng = np.random.default_rng(0)
     off = causes(rig, CLASSES["machined"].tolerances(rig))
-    compensator = make_compensator(rig, off, Recalibration(), RANGE_M)
+    compensator = make_compensator(rig, off, Recalibration(), RANGE_M, informed=True)
     thetas = draw(off, _REFERENCES, rng) * off.std @ off.effect
     pixels, lengths_m = compensator.observe(thetas, rng)
     found = compensator.solve(pixels, lengths_m)
@@ -102,9 +102,10 @@ def built(rig: StereoRig, theta: Array) -> StereoRig:
     """The rig that is off by `theta` (12,)."""
     moved = Perturbation(**dict(zip(NAMES, map(float, theta), strict=False))).apply(rig)
     right_cy_px, both_focal_px = map(float, theta[len(NAMES) :])
+    longer = both_focal_px / rig.left.fx
     left, right = (
-        replace(lens, fx=lens.fx + both_focal_px, fy=lens.fy + both_focal_px)
-        for lens in (moved.left, moved.right)
+        replace(lens, fx=lens.fx + longer * before.fx, fy=lens.fy + longer * before.fy)
+        for lens, before in ((moved.left, rig.left), (moved.right, rig.right))
     )
     return StereoRig(left, replace(right, cy=right.cy + right_cy_px), moved.right_from_left)
 

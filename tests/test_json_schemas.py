@@ -31,6 +31,8 @@ WITHOUT_UNIT = {
     *("count", "measured_count", "points", "trials", "rigs", "cameras_tried", "bits"),
     *("best", "board", "seed"),  # places and numbers that name something
     *("features", "pictures"),
+    *("as_built_se", "as_built_rigs", "recalibrated_se", "recalibrated_rigs"),  # shares and counts
+    *("recalibrated_informed", "yield", "yield_se"),  # shares
     *("as_built", "recalibrated", "margin", "confidence_level", "first_over_simulated"),  # shares, ratios
     *("exponent", "exponent_ci_low", "exponent_ci_high"),
     *("nees", "predicted_over_simulated", "measured_over_predicted", "measured_within_3_sigma"),  # ratios

@@ -14,7 +14,8 @@ from rigsim.present import style
 from rigsim.present.design_figures import pareto_figure, region_figure
 from rigsim.present.line_labels import Named, label_lines
 from rigsim.study.design import Design, solve, specify
-from rigsim.theory.inverse import P95_OVER_STD, Camera, Requirement
+from rigsim.theory.inverse import Camera, Requirement
+from rigsim.theory.inverse_error import P95_OVER_STD
 
 CAMERAS = [
     Camera(w, h, w / 2 / math.tan(math.radians(fov) / 2))

@@ -16,7 +16,8 @@ from rigsim.study.design_checks import Check, Sight, check, nearest_points
 from rigsim.study.design_proof import grounds
 from rigsim.study.measured import Measured
 from rigsim.study.plan import Plan
-from rigsim.theory.inverse import P95_OVER_STD, Requirement
+from rigsim.theory.inverse import Requirement
+from rigsim.theory.inverse_error import P95_OVER_STD
 
 # f 1000 px, 1280 px wide, 100 mm; noise 0.25 px: at 3 m 9 x 0.25 sqrt(2) / 100 = 31.8 mm
 RIG = StereoRig.rectified(Intrinsics.from_focal(1280, 960, 1000.0), 0.1)

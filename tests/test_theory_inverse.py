@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from sampling import close
+from scipy.special import ndtr
 
 from rigsim.errors import InvalidRange
 from rigsim.rig.intrinsics import Intrinsics
@@ -18,13 +19,13 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.theory.inverse import (
     GATES,
     LOWER,
-    P95_OVER_STD,
     Camera,
     Interval,
     Requirement,
     baseline_interval,
     relaxations,
 )
+from rigsim.theory.inverse_error import P95_OVER_STD, noise_allowed, noise_error
 from rigsim.theory.limits import depth_range_for_disparities, overlap_at_depth
 from rigsim.theory.uncertainty import depth_bounds, predict_depth_std
 
@@ -41,7 +42,7 @@ def brute_force(requirement: Requirement, camera: Camera, noise_px: float) -> ND
         h = 1e-4 * d
         slope = (f * B / (d - h) - f * B / (d + h)) / (2 * h)  # dZ/dd, by differences
         sigma = slope * math.hypot(noise_px, noise_px)
-        return np.asarray(sigma * requirement.per_std <= requirement.limit)
+        return keeps(sigma / Z, requirement.limit / Z, requirement.per_std)
     if requirement.kind == "far_disparity":
         u_left, u_right = 0.0, f * (0 - B) / Z
         return np.asarray(u_left - u_right >= requirement.limit * math.hypot(noise_px, noise_px))
@@ -61,6 +62,25 @@ def brute_force(requirement: Requirement, camera: Camera, noise_px: float) -> ND
         angle = math.acos(edge[1] ** 2 - edge[0] ** 2)  # between the left and the right edge's ray
         return np.full(len(B), angle >= requirement.limit)
     return np.full(len(B), camera.width_px * camera.height_px <= requirement.limit)
+
+
+def keeps(std: NDArray[np.float64], error: float, per_std: float) -> NDArray[np.bool_]:
+    """Whether depths that are off by `std` to first order keep `error`; all are shares of the depth.
+
+    By the first order where all orders are within 1 % of it, else by all of them.
+    """
+
+    def whole_within(bound: NDArray[np.float64]) -> NDArray[np.bool_]:
+        if per_std == 1:
+            return np.asarray(std**2 + 9 * std**4 + 75 * std**6 <= bound**2)
+        with np.errstate(divide="ignore"):
+            near = np.where(bound < 1, bound / (1 - np.minimum(bound, 1)), np.inf)
+        return np.asarray(ndtr(near / std) - ndtr(-bound / (1 + bound) / std) >= 0.95)
+
+    first = std * per_std
+    return np.asarray(
+        (first <= error) & (whole_within(first * 1.01) | whole_within(np.full(len(std), error)))
+    )
 
 
 @st.composite
@@ -199,7 +219,8 @@ def test_w6_backwards_the_baseline_of_a_dead_band() -> None:
 
 def test_w7_backwards_the_baseline_of_a_depth_error() -> None:
     # changh95 visual-slam-roadmap: f 500, .25 px, .02 / .5 / 2 m at 2 / 10 / 20 m come from 0.1 m
-    for depth_m, error_m in ((2, 0.02), (10, 0.5), (20, 2)):
+    # (at 20 m the first order of 10 % is off by 5 %, so that figure is not asked for here)
+    for depth_m, error_m in ((2, 0.02), (6, 0.18)):
         found = only(Camera(640, 480, 500.0), Requirement("depth_error", error_m, depth_m), 0.25 / 2**0.5)
         close(found.lower.baseline_m, 0.1, rtol=1e-9)
         p95 = Requirement("depth_error", error_m * P95_OVER_STD, depth_m, P95_OVER_STD)
@@ -211,10 +232,52 @@ def test_w8_backwards_the_baseline_of_a_first_order_bound() -> None:
     # the first-order error of those bounds is their harmonic one, Z^2 p / (f B) = 2.34 m
     camera = Camera(1280, 720, 640.0)
     first_order = (1 / 8.10 - 1 / 13.06) / 2 * 10**2
-    found = only(camera, Requirement("depth_error", first_order, 10.0), 1.5 / 2**0.5)
-    close(found.lower.baseline_m, 0.1, rtol=2e-3)
-    rig = StereoRig.rectified(Intrinsics.from_focal(1280, 720, 640.0), found.lower.baseline_m)
+    rig = StereoRig.rectified(Intrinsics.from_focal(1280, 720, 640.0), 0.1)
     close(np.ravel(depth_bounds(rig, [[0.0, 0.0, 10.0]], 1.5)), [8.10, 13.06], rtol=2e-3)
+    close(predict_depth_std(rig, [[0.0, 0.0, 10.0]], PixelNoise(1.5 / 2**0.5)), [first_order], rtol=2e-3)
+    # with an error of 23 % the first order asks for too short a baseline: see the higher orders below
+    found = only(camera, Requirement("depth_error", first_order, 10.0), 1.5 / 2**0.5)
+    assert found.lower.baseline_m > 0.115
+
+
+def drawn_errors(std: float, n: int = 2_000_000) -> NDArray[np.float64]:
+    """Errors of depths 1 / (1 + std n), but for draws beyond four standard deviations."""
+    rng = np.random.default_rng(11)
+    normal = rng.standard_normal(n)
+    normal = normal[np.abs(normal) < 4]
+    return np.asarray(1 / (1 + std * normal) - 1)
+
+
+@pytest.mark.parametrize("std", [0.06, 0.1, 0.15, 0.186])
+def test_higher_orders_are_what_noise_does(std: float) -> None:
+    errors = drawn_errors(std)
+    # at 18.6 % the RMS is 22 %, where the first order is 15 % short, and 2 % are all that three terms leave
+    close(noise_error(std), math.sqrt((errors**2).mean()), rtol=0.02)
+    close(noise_error(std, p95=True), np.quantile(np.abs(errors), 0.95), rtol=0.01)
+    assert noise_error(std) > 1.01 * std
+
+
+def test_a_depth_error_of_22_percent_by_hand() -> None:
+    # a + 9 a^2 + 75 a^3 = 0.22^2 at a = 0.034556: sigma / Z = 0.18589, not 0.22
+    a = 0.0345560
+    close(a + 9 * a**2 + 75 * a**3, 0.22**2, rtol=2e-4)
+    close(noise_allowed(0.22), math.sqrt(a), rtol=2e-4)
+    # f 1194.256 px, sigma_d 0.35355 px, 25 m: 25 x 0.35355 / (1194.256 x 0.18589) = 39.81 mm, not 33.6
+    camera = Camera(640, 480, 320 / math.tan(math.radians(15)))
+    found = only(camera, Requirement("depth_error", 5.5, 25.0))
+    close(found.lower.baseline_m, 0.03981, rtol=1e-3)
+
+
+@pytest.mark.parametrize("p95", [False, True])
+def test_the_noise_allowed_is_the_most_that_keeps_the_error(p95: bool) -> None:
+    errors = np.geomspace(0.001, 0.45, 300)
+    allowed = np.array([noise_allowed(float(error), p95) for error in errors])
+    assert (np.diff(allowed) >= 0).all()
+    for error, std in zip(errors, allowed, strict=True):
+        assert noise_error(float(std) * (1 - 1e-9), p95) <= error
+        assert noise_error(float(std) * 1.011, p95) > error
+    # where the first order is within 1 % it is what it was
+    close(noise_allowed(0.02, p95), 0.02 / (P95_OVER_STD if p95 else 1), rtol=1e-12)
 
 
 def test_relaxing_by_hand() -> None:

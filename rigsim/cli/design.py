@@ -35,8 +35,9 @@ def design(
         list[str],
         typer.Option(
             metavar="ERROR[@DISTANCE]",
-            help="Depth error allowed, one standard deviation: 10mm@3m, 1%, 1%@2m; p95:20mm@3m for what "
-            "95 of 100 errors stay under. At the far end unless said. May be given several times.",
+            help="Depth error allowed, root mean square of one rig with its noise: 10mm@3m, 1%, 1%@2m; "
+            "p95:20mm@3m for what 95 of 100 errors stay under. At the far end unless said. May be given "
+            "several times.",
         ),
     ],
     fov: Annotated[
@@ -53,6 +54,14 @@ def design(
             "measured in pictures taken with it.",
         ),
     ] = None,
+    build_share: Annotated[
+        str,
+        typer.Option(
+            metavar="%",
+            help="Share of that error's variance that noise leaves for errors of mounting and calibration: "
+            "50%, or 0% for cameras that have none.",
+        ),
+    ] = "50%",
     max_baseline: Annotated[
         str | None, typer.Option(metavar="LENGTH", help="Longest baseline: 150 (mm), 0.15m.")
     ] = None,
@@ -153,6 +162,7 @@ def design(
         asked,
         noise_px=PRIOR_NOISE_PX if noise is None else quantity.value(noise, quantity.NOISE),
         nearest_focus_m=0.0 if nearest_focus is None else read.metres(nearest_focus, "nearest focus"),
+        build_share=read.build_share(build_share),
     )
     if noise is None:
         says = "assumed, as none was given"
@@ -174,7 +184,9 @@ def design(
     else:
         plan = room_plan(specification, scene, seed, renderer, measure, fits)
         found, proofs = try_out(specification, cameras, prefer, plan, fits, measures_noise)
-    tolerance = design_tolerance(found.specification, recommended(found, proofs), class_name, seed)
+    tolerance = design_tolerance(
+        found.specification, recommended(found, proofs), class_name, seed, found.candidates
+    )
     pick = recommended(found, proofs).camera.sensor
     sensor_used = fits[pick][1] if has_own_noise(pick, optics) or blur is not None else None
     _deliver(found, proofs, tolerance, sensor_used, target, force, as_json)

@@ -44,7 +44,8 @@ def metres(text: str, name: str) -> float:
 
 def depth_error(text: str, far_m: float) -> Requirement:
     """``10mm@3m``, ``1%`` or ``p95:20mm@3m``."""
-    from rigsim.theory.inverse import P95_OVER_STD, Requirement
+    from rigsim.theory.inverse import Requirement
+    from rigsim.theory.inverse_error import P95_OVER_STD
 
     body, n_p95 = re.subn(r"\s*:?\bp95\b:?\s*", "", text.strip(), flags=re.IGNORECASE)
     what, at_m = at_distance(body, far_m, "depth error")
@@ -68,15 +69,20 @@ def overlap(text: str, near_m: float) -> Requirement:
     return Requirement("overlap", _share(what), at_m)
 
 
-def _share(text: str) -> float:
+def build_share(text: str) -> float:
+    """``50%`` or ``0.5``."""
+    return _share(text, "build share")
+
+
+def _share(text: str, name: str = "min overlap") -> float:
     match = _PERCENT.fullmatch(text.strip())
     try:
         share = float(match[1]) / 100 if match else float(text)
     except ValueError:
-        raise InvalidRange(f"min overlap {text or 'empty'}: must be a percentage, as in 80%") from None
+        raise InvalidRange(f"{name} {text or 'empty'}: must be a percentage, as in 80%") from None
     if not match and share > 1:
-        raise InvalidRange(f"min overlap {text}: percent or share? Write {text}% or a number under 1")
-    if not 0 <= share < 1:
+        raise InvalidRange(f"{name} {text}: percent or share? Write {text}% or a number under 1")
+    if name == "min overlap" and not 0 <= share < 1:
         raise InvalidRange(
             f"min overlap {text}: must be >= 0 % and < 100 %; only a rig without baseline has it"
         )

@@ -44,6 +44,10 @@ _KINDS: dict[str, tuple[str, quantity.Kind]] = {
     "principal-v": ("right_cy_px", _kind("principal-v", "px", _PIXELS)),
     "k1-right": ("right_k1", _kind("k1-right", "", _PLAIN)),
     "k1-both": ("both_k1", _kind("k1-both", "", _PLAIN)),
+    "focal-left": ("left_focal_px", _kind("focal-left", "px", _PIXELS)),
+    "principal-left": ("left_cx_px", _kind("principal-left", "px", _PIXELS)),
+    "principal-left-v": ("left_cy_px", _kind("principal-left-v", "px", _PIXELS)),
+    "k1-left": ("left_k1", _kind("k1-left", "", _PLAIN)),
     "time": ("time_offset_ms", _kind("time", "ms", _TIMES)),
     "temperature": ("temperature_k", _kind("temperature", "K", {"K": Fraction(1)})),
 }
@@ -62,8 +66,8 @@ def tolerance(
         str,
         typer.Option(
             metavar="ERROR[@DISTANCE]",
-            help="Largest root mean square depth error over the image of one rig: 10mm@3m, 1%; at the far"
-            " end unless said.",
+            help="Largest root mean square depth error of one rig over the image and its noise: 10mm@3m, 1%;"
+            " at the far end unless said.",
         ),
     ] = "1%",
     depth_range: Annotated[
@@ -77,8 +81,9 @@ def tolerance(
         typer.Option(
             metavar="NAME=VALUE",
             help="One tolerance, in place of the class's: yaw, pitch, roll (deg), baseline, axial, vertical"
-            " (mm), focal, focal-both, principal, principal-v (px), k1-right, k1-both, time (ms),"
-            " temperature (K). One standard deviation, or a bound as +-VALUE. Repeatable.",
+            " (mm), focal, focal-left, focal-both, principal, principal-v, principal-left, principal-left-v"
+            " (px), k1-right, k1-left, k1-both, time (ms), temperature (K). One standard deviation, or a"
+            " bound as +-VALUE. Repeatable.",
         ),
     ] = None,
     distribution: Annotated[
@@ -102,7 +107,12 @@ def tolerance(
         typer.Option("--recalibration-pictures", metavar="N", help="Pictures it averages each of them over."),
     ] = 10,
     noise: Annotated[
-        str, typer.Option(metavar="PX", help="Noise per pixel coordinate of one calibration picture.")
+        str,
+        typer.Option(
+            metavar="PX",
+            help="Noise per pixel coordinate, standard deviation: when rigs measure, and in a calibration"
+            " picture.",
+        ),
     ] = "0.25",
     length_std: Annotated[
         str, typer.Option(metavar="LENGTH", help="Standard deviation of the known length.")
@@ -118,7 +128,7 @@ def tolerance(
 ) -> None:
     """Rank a rig's tolerances by what they do to the depth, and count the built rigs that are good.
 
-    Pixel noise is no part of it: the depth error here is what misalignment alone leaves.
+    A rig is good when its own depth error, of its build and its pixel noise, meets the requirement.
     """
     near_m, far_m = _range(depth_range)
     required = _requirement(depth_error, far_m)
@@ -154,6 +164,7 @@ def tolerance(
         given,
         required,
         (near_m, far_m),
+        noise_px=compensator.noise_px,
         recalibration=compensator if recalibrate else None,
         n_rigs=rigs,
         n_points=points,

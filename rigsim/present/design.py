@@ -21,7 +21,7 @@ from rigsim.present.design_console import (
     shown_by_words,
 )
 from rigsim.present.design_figures import pareto_figure, plan_figure, region_figure
-from rigsim.present.format import MISSING, count
+from rigsim.present.format import count
 from rigsim.present.tolerance import quantity_heads, quantity_rows, tolerance_figure
 from rigsim.rig.arrays import Image
 from rigsim.study import design_words as words
@@ -30,7 +30,9 @@ from rigsim.study.design_document import recommended
 from rigsim.study.design_proof import Proof
 from rigsim.study.design_tolerance import DesignTolerance
 from rigsim.study.tolerance import CLASSES
+from rigsim.study.tolerance_count import Count
 from rigsim.theory.inverse import Camera
+from rigsim.theory.inverse_error import noise_error
 from rigsim.theory.limits import blind_zone_m
 
 _MOST_ROWS = 15
@@ -83,36 +85,40 @@ def _tolerance_part(tolerance: DesignTolerance) -> dict[str, Any]:
     """What the page says of tolerances."""
     result = tolerance.result
     required_m = result.required.error_m
-    left_m2 = required_m**2 - tolerance.noise_error_m**2
     at = words.distance(result.required.depth_m)
-    noise = f"Pixel noise alone errs {words.size(tolerance.noise_error_m)} at {at}; "
-    if left_m2 > 0:
+    noise = f"Pixel noise alone errs {words.size(tolerance.noise_error_m)} at {at}, root mean square. "
+    left_m2 = required_m**2 - tolerance.noise_error_m**2
+    if left_m2 > 0 and not result.required.p95:
         noise += (
-            f"the two add as squares, so a rig that errs {words.size(math.sqrt(left_m2))} by its build keeps "
-            f"{words.size(required_m)} in all."
+            f"The two add as squares: a rig whose build errs {words.size(math.sqrt(left_m2))} over the image "
+            f"keeps {words.size(required_m)} in all."
         )
-    else:
-        noise += "the two add as squares, so nothing is left for the build."
     return {
         "says": tolerance.says,
         "noise": noise,
         "class_name": tolerance.class_name,
         "about": CLASSES[tolerance.class_name].about,
         "required": f"{words.size(required_m)} at {at}",
+        "statistic": "what 95 of 100 of its errors stay under"
+        if result.required.p95
+        else "the root mean square",
         "heads": [head.replace("\n", " ") for head in quantity_heads(result)],
         "rows": quantity_rows(result),
         "yields": [
             (
                 item.name,
                 CLASSES[item.name].about,
-                words.share(item.as_built),
-                MISSING if item.recalibrated is None else words.share(item.recalibrated),
+                *(_counted(rigs) for rigs in (item.as_built, item.recalibrated)),
             )
             for item in tolerance.yields
         ],
         "n_rigs": count(result.n_rigs),
         "figure": Markup(style.to_svg(tolerance_figure(result), "tolerance", "Tolerances of the rig")),
     }
+
+
+def _counted(found: Count) -> str:
+    return f"{words.share(found.share)} ± {100 * found.standard_error:.1f} of {count(found.rigs)}"
 
 
 def data_sheet(design: Design, pick: Candidate) -> list[tuple[str, str]]:
@@ -138,7 +144,7 @@ def data_sheet(design: Design, pick: Candidate) -> list[tuple[str, str]]:
         *(
             (
                 f"Depth error at {words.distance(z)}",
-                f"{words.size(z**2 * spec.disparity_std_px / f_b)}, one standard deviation, from pixel noise",
+                f"{words.size(z * noise_error(z * spec.disparity_std_px / f_b))}, root mean square, by noise",
             )
             for z in (spec.near_m, math.sqrt(spec.near_m * spec.far_m), spec.far_m)
         ),

@@ -34,10 +34,11 @@ def sentences(design: Design, proofs: Sequence[Proof]) -> tuple[str, ...]:
     low, high = pick.interval.lower, pick.interval.upper
     said = [
         f"With this camera any baseline from {words.size(low.baseline_m, 4)} to "
-        f"{words.size(high.baseline_m, 4)} will do: shorter fails {words.whole(low.requirement)}, "
-        f"longer fails {words.whole(high.requirement)}.",
+        f"{words.size(high.baseline_m, 4)} will do if cameras are built without error: shorter fails "
+        f"{words.whole(low.requirement)}, longer fails {words.whole(high.requirement)}.",
         f"The pick keeps {pick.margin * 100:.2g} % of its baseline from the nearer end"
         + ("; the interval has no more room." if pick.is_tight else "."),
+        _budget(pick, design.specification),
     ]
     if not proofs:
         said.append("Not verified: formulas only, no proof was asked for.")
@@ -59,6 +60,17 @@ def sentences(design: Design, proofs: Sequence[Proof]) -> tuple[str, ...]:
         f"{n} of {len(design.intervals)} cameras can do it; preferred: {design.preference}, with room."
     )
     return tuple(said)
+
+
+def _budget(pick: Candidate, spec: Specification) -> str:
+    noise, wanted = 100 * pick.noise_share, 100 * spec.build_share
+    said = (
+        f"Noise takes {noise:.3g} % of the variance of the depth error asked for, {100 - noise:.3g} % is "
+        "left for what the build errs"
+    )
+    if pick.keeps_share:
+        return f"{said} (--build-share {wanted:.3g}%)."
+    return f"{said}: less than the {wanted:.3g} % of --build-share, which no rig here leaves."
 
 
 def requirement_rows(design: Design, proofs: Sequence[Proof]) -> list[tuple[str, ...]]:
@@ -133,11 +145,14 @@ def achieved_value(asked: Requirement, pick: Candidate, spec: Specification) -> 
 def yields_words(tolerance: DesignTolerance) -> str:
     """How many rigs of each class are good, in a sentence."""
     said = (
-        f"{item.name} {words.share(item.as_built)} / "
-        + (MISSING if item.recalibrated is None else words.share(item.recalibrated))
+        f"{item.name} {words.share(item.as_built.share)} / {words.share(item.recalibrated.share)}"
         for item in tolerance.yields
     )
-    return f"Good of {tolerance.result.n_rigs} rigs each, % as built / recalibrated: {', '.join(said)}."
+    worst = max(c.standard_error for item in tolerance.yields for c in (item.as_built, item.recalibrated))
+    return (
+        f"Good rigs with pixel noise, % as built / recalibrated: {', '.join(said)} "
+        f"(standard error up to {100 * worst:.1f})."
+    )
 
 
 def candidate_row(candidate: Candidate) -> tuple[str, ...]:

@@ -23,6 +23,7 @@ from rigsim.study import design_words as words
 from rigsim.study.design import Candidate, Design
 from rigsim.study.design_proof import Proof
 from rigsim.theory.inverse import Camera, baseline_interval
+from rigsim.theory.inverse_error import noise_error
 
 _LEFT, _BOTTOM, _WIDTH, _HEIGHT = 0.75, 0.6, 4.2, 3.5
 _DASHES: tuple[Literal["-", "--", "-.", ":"], ...] = ("-", "--", "-.", ":")
@@ -39,7 +40,8 @@ def region_figure(design: Design, pick: Candidate) -> Figure:
     low_mm = pick.interval.lower.baseline_m * 1e3 / 2.5
     high_mm = max(pick.interval.upper.baseline_m, pick.baseline_m) * 1e3 * 2.5
     B = np.geomspace(low_mm, high_mm, 241)
-    error = spec.far_m**2 * spec.disparity_std_px / (f[None, :] * B[:, None] / 1e3) * 1e3
+    share = spec.far_m * spec.disparity_std_px / (f[None, :] * B[:, None] / 1e3)
+    error = spec.far_m * np.vectorize(noise_error, otypes=[float])(share) * 1e3
     allowed = np.array(
         [
             (not i.failed) & (i.lower.baseline_m * 1e3 <= B) & (i.upper.baseline_m * 1e3 >= B)

@@ -13,7 +13,12 @@ from rigsim.present.console import make_console, print_table
 from rigsim.present.format import MISSING, number, percent, plain
 from rigsim.study.tolerance import QUANTITIES, UNITS
 from rigsim.study.tolerance_document import percentile_mm
-from rigsim.study.tolerance_words import interactions_sentence, recalibration_sentence
+from rigsim.study.tolerance_words import (
+    informed_sentence,
+    interactions_sentence,
+    recalibration_sentence,
+    yield_sentence,
+)
 from rigsim.study.tolerance_yield import ToleranceResult
 
 if TYPE_CHECKING:
@@ -25,8 +30,9 @@ _HEIGHT_IN = 3.6
 def print_tolerance(result: ToleranceResult, folder: Path | None = None) -> None:
     """Print the ranked table, the built rigs at each depth, and how many meet the requirement."""
     print_table(
-        f"Each quantity alone: depth error, mm, first order; what it takes for"
-        f" {plain(result.required.error_m * 1e3)} mm at {plain(result.required.depth_m)} m",
+        f"Each quantity alone: depth error, mm, first order; what it takes for 95 of 100 rigs to keep"
+        f" {plain(result.required.error_m * 1e3)} mm at {plain(result.required.depth_m)} m"
+        + (" with their noise" if result.noise_px else ""),
         quantity_heads(result),
         quantity_rows(result),
         numeric=quantity_numeric(result),
@@ -38,11 +44,12 @@ def print_tolerance(result: ToleranceResult, folder: Path | None = None) -> None
         numeric=(False, True, True, True, True, False),
     )
     print_table(
-        f"{result.n_rigs} rigs built within tolerance: depth error over the image, mm",
+        f"{result.n_rigs} rigs built within tolerance: depth error over the image, mm; rigs with pixel noise",
         (
             "distance\nm",
-            "first\norder",
-            "simulated\nrms",
+            "noise\nalone",
+            "build, first\norder",
+            "simu-\nlated",
             "median\nrig",
             "95 of 100\nrigs under",
             "median re-\ncalibrated",
@@ -52,26 +59,27 @@ def print_tolerance(result: ToleranceResult, folder: Path | None = None) -> None
         [
             (
                 plain(item.depth_m),
+                number(item.noise_mm) if item.noise_mm else "0",
                 number(item.first_order_mm),
                 number(item.rms_mm),
-                *(number(percentile_mm(item.per_rig_mm, level)) for level in (50, 95)),
                 *(
-                    MISSING
-                    if item.after_per_rig_mm is None
-                    else number(percentile_mm(item.after_per_rig_mm, level))
+                    MISSING if rigs is None else number(percentile_mm(rigs.whole_mm, level))
+                    for rigs in (item.built, item.recalibrated)
                     for level in (50, 95)
                 ),
                 "flagged: do not trust" if item.parts else "holds",
             )
             for item in result.depths
         ],
-        numeric=(*[True] * 7, False),
+        numeric=(*[True] * 8, False),
     )
     console = make_console()
-    says = f"{percent(result.yield_before)} % of the rigs meet the requirement as built"
-    if result.yield_after is not None:
-        says += f", {percent(result.yield_after)} % after recalibration"
-    for sentence in (says + ".", interactions_sentence(result), recalibration_sentence(result)):
+    for sentence in (
+        yield_sentence(result),
+        informed_sentence(result),
+        interactions_sentence(result),
+        recalibration_sentence(result),
+    ):
         if sentence:
             console.print(textwrap.fill(sentence, console.width), soft_wrap=True)
     if folder is not None:
@@ -148,6 +156,8 @@ def _share(value: float) -> str:
 def _tolerance(result: ToleranceResult, key: str, value: float) -> str:
     if math.isinf(value):
         return "any"
+    if value == 0:
+        return "none"
     return ("±" if result.tolerances.is_bound(key) else "") + number(value)
 
 
@@ -191,9 +201,9 @@ def tolerance_figure(result: ToleranceResult) -> Figure:
         bars.legend(**below)
 
         shares = style.place(figure, 4.35, 0.85, 2.65, 2.4)
-        curves = [("as built", result.judged.per_rig_mm, style.VERMILION)]
-        if result.judged.after_per_rig_mm is not None:
-            curves.append(("recalibrated", result.judged.after_per_rig_mm, style.GREEN))
+        curves = [("as built", result.judged.built.whole_mm, style.VERMILION)]
+        if result.judged.recalibrated is not None:
+            curves.append(("recalibrated", result.judged.recalibrated.whole_mm, style.GREEN))
         for label, errors, colour in curves:
             errors_mm = np.sort(errors)
             # rigs that lose a point never come under any bound
@@ -209,6 +219,6 @@ def tolerance_figure(result: ToleranceResult) -> Figure:
         shares.set_ylim(0, 101)
         shares.set_xlabel(f"depth error at {at}, mm")
         shares.set_ylabel("rigs under it, %")
-        shares.set_title("Built rigs")
+        shares.set_title("Built rigs with pixel noise" if result.noise_px else "Built rigs")
         shares.legend(**below)
     return figure

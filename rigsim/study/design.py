@@ -1,8 +1,9 @@
 """From a specification to candidate rigs: which cameras can do it, at which baselines, and which to take.
 
 A camera's interval of baselines comes from `rigsim.theory.inverse`. Rigs are picked from it with room on
-either side, compared by four numbers (depth error at the far end, baseline, field of view, pixels), and
-ordered: those whose interval leaves no room come last, whatever the preference:
+either side and for what the build errs (`rigsim.study.design_budget`), compared by four numbers (depth error
+at the far end, baseline, field of view, pixels), and ordered: those that leave less for the build than asked
+for come last, before them those whose interval leaves no room, whatever the preference:
 
 - ``smallest``: shortest baseline, then fewest pixels;
 - ``cheapest``: fewest pixels (sensor, cable and processor follow them), then shortest baseline;
@@ -12,13 +13,14 @@ ordered: those whose interval leaves no room come last, whatever the preference:
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rigsim.errors import InvalidRange, InvalidRig
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
 from rigsim.study import design_words as words
+from rigsim.study.design_budget import BUILD_SHARE, MARGIN, check_share, least_baseline_m, noise_share, picks
 from rigsim.theory.inverse import (
     LOWER,
     Camera,
@@ -28,17 +30,15 @@ from rigsim.theory.inverse import (
     disparity_std_px,
     relaxations,
 )
+from rigsim.theory.inverse_error import noise_error
+from rigsim.theory.uncertainty import LEAST_DEPTH_SIGMAS
 
 PREFERENCES: tuple[str, ...] = ("smallest", "cheapest", "most-accurate")
 
-TRUSTED_SIGMAS = 4.0
-"""Disparities under this many of their standard deviations have no useful depth error."""
 NOISE_SOURCES: tuple[str, ...] = ("given", "assumed", "measured")
 """Where a pixel noise may come from."""
 PRIOR_NOISE_PX = 0.25
 """Pixel noise where none is given, px: what good matching of natural surfaces reaches."""
-MARGIN = 0.05
-"""Room that a pick keeps from either end of its interval, where the interval has it."""
 MIN_OVERLAP = 0.5
 """Share of the left image that the right camera sees at the near end, unless asked for otherwise."""
 
@@ -73,6 +73,8 @@ class Specification:
     """One of `NOISE_SOURCES`."""
     noise_says: str = "given"
     """Where the noise comes from, in words."""
+    build_share: float = BUILD_SHARE
+    """Share of a depth error's variance that a pick leaves for what its build errs, 0 to below 1."""
 
     @property
     def disparity_std_px(self) -> float:
@@ -89,7 +91,11 @@ class Candidate:
     baseline_m: float
     """Its baseline, m."""
     far_error_m: float
-    """Standard deviation of depth at the far end, m."""
+    """Root mean square depth error at the far end, from noise, m."""
+    noise_share: float = 0.0
+    """Share of the variance that noise takes of the depth error asked for; of the worst where several are."""
+    keeps_share: bool = True
+    """Whether noise leaves for the build what the specification asks for."""
 
     @property
     def camera(self) -> Camera:
@@ -143,6 +149,7 @@ def specify(
     noise_px: float = PRIOR_NOISE_PX,
     min_overlap: float = MIN_OVERLAP,
     nearest_focus_m: float = 0.0,
+    build_share: float = BUILD_SHARE,
 ) -> Specification:
     """A specification for a working range: overlap at its near end and a useful disparity at its far end too.
 
@@ -154,10 +161,12 @@ def specify(
         min_overlap: share of the left image that the right camera sees at the near end, where
             `requirements` ask for none there.
         nearest_focus_m: the nearest distance at which the lenses draw sharply, m.
+        build_share: share of a depth error's variance that is the build's, 0 to below 1; the rest is the
+            noise's.
 
     Raises:
         InvalidRange: the range is empty, starts at 0 or nearer than the lenses focus, no depth error is asked
-            for, a requirement lies outside the range, or the noise is not positive.
+            for, a requirement lies outside the range, the noise is not positive, or the share cannot be.
     """
     if not (math.isfinite(far_m) and 0 < near_m < far_m):
         raise InvalidRange(f"range {near_m:g}:{far_m:g} m: must be 0 < near < far; no rig sees from 0 on")
@@ -167,6 +176,7 @@ def specify(
             "start there, or choose lenses that focus nearer"
         )
     disparity_std_px(noise_px)
+    check_share(build_share)
     if not any(asked.kind == "depth_error" for asked in requirements):
         raise InvalidRange("no depth error asked for: give at least one, as in 10mm@3m or 1%")
     for asked in requirements:
@@ -174,10 +184,10 @@ def specify(
             raise InvalidRange(
                 f"{words.name(asked)}: outside the range of {near_m:g} to {far_m:g} m; widen --range"
             )
-    implied = [Requirement("far_disparity", TRUSTED_SIGMAS, far_m)]
+    implied = [Requirement("far_disparity", LEAST_DEPTH_SIGMAS, far_m)]
     if not any(asked.kind == "overlap" and asked.depth_m == near_m for asked in requirements):
         implied.insert(0, Requirement("overlap", min_overlap, near_m))
-    return Specification(near_m, far_m, (*requirements, *implied), noise_px)
+    return Specification(near_m, far_m, (*requirements, *implied), noise_px, build_share=build_share)
 
 
 def solve(specification: Specification, cameras: Sequence[Camera], preference: str = "cheapest") -> Design:
@@ -197,7 +207,7 @@ def solve(specification: Specification, cameras: Sequence[Camera], preference: s
         _candidate(interval, baseline_m, specification)
         for interval in intervals
         if interval.is_feasible
-        for baseline_m in _picks(interval)
+        for baseline_m in picks(interval, _least_m(interval, specification))
     ]
     if not candidates:
         raise InvalidRig(_why_not(specification, intervals))
@@ -217,43 +227,28 @@ def pareto_front(candidates: Sequence[Candidate]) -> tuple[Candidate, ...]:
 
 def _rank(candidate: Candidate, preference: str) -> tuple[float, ...]:
     pixels, baseline, error = candidate.camera.pixels, candidate.baseline_m, candidate.far_error_m
+    # of those that leave too little for the build, the one that leaves most is the least wrong
+    first = (0.0 if candidate.keeps_share else candidate.noise_share, float(candidate.is_tight))
     match preference:
         case "smallest":
-            return (candidate.is_tight, baseline, pixels, error)
+            return (*first, baseline, pixels, error)
         case "cheapest":
-            return (candidate.is_tight, pixels, baseline, error)
+            return (*first, pixels, baseline, error)
         case _:
-            return (candidate.is_tight, error, pixels, baseline)
+            return (*first, error, pixels, baseline)
+
+
+def _least_m(interval: Interval, specification: Specification) -> float:
+    spec = specification
+    return least_baseline_m(interval.camera, spec.requirements, spec.noise_px, spec.build_share)
 
 
 def _candidate(interval: Interval, baseline_m: float, specification: Specification) -> Candidate:
-    error_m = (
-        specification.far_m**2 * specification.disparity_std_px / (interval.camera.focal_px * baseline_m)
-    )
-    return Candidate(interval, baseline_m, error_m)
-
-
-def _picks(interval: Interval) -> tuple[float, ...]:
-    """Baselines, m: near the short end, in the middle and near the long end; whole mm where there is room."""
-    low, high = interval.lower.baseline_m, interval.upper.baseline_m
-    inner_low, inner_high = low * (1 + MARGIN), high / (1 + MARGIN)
-    if inner_low >= inner_high:
-        return (_whole_mm(math.sqrt(low * high), low, high),)
-    picks = (
-        _whole_mm(inner_low, inner_low, inner_high, math.ceil),
-        _whole_mm(math.sqrt(inner_low * inner_high), inner_low, inner_high),
-        _whole_mm(inner_high, inner_low, inner_high, math.floor),
-    )
-    return tuple(dict.fromkeys(picks))
-
-
-def _whole_mm(value_m: float, low_m: float, high_m: float, turn: Callable[[float], int] = round) -> float:
-    """`value_m` in whole mm, else in tenths, where that stays inside; else as it is."""
-    for per_m in (1000, 10_000):
-        whole = turn(round(value_m * per_m, 6)) / per_m
-        if whole > 0 and low_m * (1 - 1e-9) <= whole <= high_m * (1 + 1e-9):
-            return whole
-    return value_m
+    camera, sigma_d, far_m = interval.camera, specification.disparity_std_px, specification.far_m
+    error_m = far_m * noise_error(far_m * sigma_d / (camera.focal_px * baseline_m))
+    share = noise_share(camera, baseline_m, specification.requirements, sigma_d)
+    keeps = share <= 1 - specification.build_share + 1e-9
+    return Candidate(interval, baseline_m, error_m, share, keeps)
 
 
 def _why_not(specification: Specification, intervals: Sequence[Interval]) -> str:

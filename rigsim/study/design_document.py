@@ -31,12 +31,15 @@ def design_document(
         "recommended": {
             **_rig(pick),
             "verified": verified,
-            "reason": proofs[-1].why if proofs else "not verified: no proof was asked for",
+            "reason": _reason(pick, proofs),
             "margin": _clean(pick.margin),
+            "noise_share": _clean(pick.noise_share),
+            **_class(tolerance),
         },
         "binding": {"shortest": _bound(pick.interval.lower), "longest": _bound(pick.interval.upper)},
         "requirements": [_achieved(asked, pick, design, proofs) for asked in spec.requirements],
         "range_mm": [_clean(spec.near_m * 1e3), _clean(spec.far_m * 1e3)],
+        "build_share": _clean(spec.build_share),
         "noise_px": _clean(spec.noise_px),
         "noise_source": spec.noise_source,
         "noise_says": spec.noise_says,
@@ -58,6 +61,22 @@ def design_document(
     }
 
 
+def _reason(pick: Candidate, proofs: Sequence[Proof]) -> str:
+    if not proofs:
+        return "not verified: no proof was asked for"
+    # of a rig that failed with less noise first, what was found last
+    return next((proof.why for proof in reversed(proofs) if proof.candidate == pick), proofs[-1].why)
+
+
+def _class(tolerance: DesignTolerance | None) -> dict[str, Any]:
+    """The class that will do, how, and its yield; null for none."""
+    found = None if tolerance is None else tolerance.recommended
+    if found is None:
+        return {"class": None, "class_state": None, "yield_pct": None}
+    name, state, count = found
+    return {"class": name, "class_state": state, "yield_pct": _clean(100 * count.share)}
+
+
 def _rig(candidate: Candidate) -> dict[str, Any]:
     return {
         "baseline_mm": _clean(candidate.baseline_m * 1e3),
@@ -76,10 +95,29 @@ def tolerance_part(tolerance: DesignTolerance) -> dict[str, Any]:
         "points": whole["points"],
         "distances_mm": [item["distance_mm"] for item in whole["depths"]],
         "quantities": whole["quantities"],
+        "noise_mm": _clean(tolerance.noise_error_m * 1e3),
         "yield": {
-            item.name: {"as_built": item.as_built, "recalibrated": item.recalibrated}
+            item.name: {
+                f"{state}{what}": value
+                for state, count in (("as_built", item.as_built), ("recalibrated", item.recalibrated))
+                for what, value in (
+                    ("", count.share),
+                    ("_se", count.standard_error),
+                    ("_rigs", count.rigs),
+                    ("_enough", count.is_enough),
+                )
+            }
             for item in tolerance.yields
         },
+        "tried": [
+            {
+                "says": item.says,
+                "yield": item.count.share,
+                "yield_se": item.count.standard_error,
+                "enough": item.count.is_enough,
+            }
+            for item in tolerance.advice
+        ],
         "says": tolerance.says,
     }
 

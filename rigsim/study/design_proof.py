@@ -2,13 +2,14 @@
 
 Every requirement is held to what the placed rig shows (`rigsim.study.design_checks`); the formulas have no
 part in it. A pick is verified when every requirement holds in the simulation, no measured depth error misses
-by more than two of its standard errors, and the sweep's own verdict flags nothing.
+by more than two of its standard errors, and the sweep's own verdict flags nothing. The next to be tried lies
+farther along the same camera's interval, away from what failed; then come other cameras.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,7 @@ from rigsim.rig.noise import PixelNoise
 from rigsim.study import design_words as words
 from rigsim.study.design import Candidate, Design, Specification, solve
 from rigsim.study.design_checks import Check, Sight, check
+from rigsim.theory.inverse import GATES, LOWER
 
 if TYPE_CHECKING:
     from rigsim.study.design_room import Room
@@ -23,8 +25,10 @@ if TYPE_CHECKING:
     from rigsim.study.result import Showcase
     from rigsim.theory.inverse import Camera
 
-ATTEMPTS = 3
-"""Candidates that are tried before giving up."""
+CAMERAS = 3
+"""Cameras that are tried before giving up, each at up to three baselines."""
+ROUNDS = 3
+"""Times that a noise shown by the pixels is taken instead of the one assumed."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,17 +50,30 @@ class Proof:
     method: str = ""
     """What was measured in them; empty when nothing was."""
 
+    @property
+    def lacks_points(self) -> bool:
+        """Whether the scene has too few points at a distance where something is asked for."""
+        return any(math.isnan(held.simulated) for held in self.checks)
+
+    @property
+    def wants(self) -> int:
+        """1 where what failed asks for a longer baseline, -1 for a shorter one, 0 where neither is told."""
+        missed = [held for held in self.checks if not held.is_met or held.is_missed_by_pixels]
+        longer = any(held.requirement.kind in LOWER for held in missed)
+        shorter = any(held.requirement.kind not in LOWER | GATES for held in missed)
+        return int(longer) - int(shorter)
+
 
 def prove(
-    design: Design, room: Room, noise: PixelNoise | None = None, attempts: int = ATTEMPTS
+    design: Design, room: Room, noise: PixelNoise | None = None, cameras: int = CAMERAS
 ) -> tuple[Proof, ...]:
-    """Prove the candidates in their order until one is verified.
+    """Prove candidates, the first one first, until one is verified.
 
     Args:
         design: what the formulas say.
         room: where.
         noise: what is simulated; the specification's by default.
-        attempts: candidates tried at most.
+        cameras: cameras tried at most.
 
     Returns:
         One proof a candidate tried, the last one verified if any is.
@@ -66,11 +83,41 @@ def prove(
         RenderUnavailable: the renderer asked for does not work here.
     """
     proofs: list[Proof] = []
-    for candidate in design.candidates[:attempts]:
+    while (candidate := following(design, proofs, cameras)) is not None:
         proofs.append(_prove(candidate, design, room, noise or PixelNoise(design.specification.noise_px)))
-        if proofs[-1].verified or proofs[-1].show is None:
+        if proofs[-1].verified:
             break
     return tuple(proofs)
+
+
+def following(
+    design: Design,
+    proofs: Sequence[Proof],
+    cameras: int = CAMERAS,
+    gone: Collection[tuple[Camera, float]] = (),
+) -> Candidate | None:
+    """The candidate to try after those that failed: the same camera farther along, then others; or None.
+
+    Where the last one failed for want of a longer baseline, only longer ones of its camera are worth a try,
+    and likewise shorter ones. Where the scene had too little to show, none is. `gone` are cameras and
+    baselines that failed before.
+    """
+    left = [c for c in design.candidates if (c.camera, c.baseline_m) not in gone]
+    if not proofs:
+        return next(iter(left), None)
+    last, tried = proofs[-1], {proof.candidate.camera for proof in proofs}
+    if last.show is None:
+        return None
+    if not last.lacks_points:
+        done = {p.candidate.baseline_m for p in proofs if p.candidate.camera == last.candidate.camera}
+        along = [c for c in left if c.camera == last.candidate.camera and c.baseline_m not in done]
+        if last.wants != 0:
+            along = [c for c in along if (c.baseline_m - last.candidate.baseline_m) * last.wants > 0]
+        if along:
+            return min(along, key=lambda c: abs(math.log(c.baseline_m / last.candidate.baseline_m)))
+    if len(tried) >= cameras:
+        return None
+    return next((c for c in left if c.camera not in tried), None)
 
 
 def settle_and_prove(
@@ -87,20 +134,23 @@ def settle_and_prove(
 
     design = settle(specification, cameras, preference, room)
     proofs: list[Proof] = []
-    for _ in range(ATTEMPTS):
-        tried = [(proof.candidate.camera, proof.candidate.baseline_m) for proof in proofs]
-        left = [c for c in design.candidates if (c.camera, c.baseline_m) not in tried]
-        if not left:
-            break
+    current: list[Proof] = []  # those of the noise that counts now
+    rounds = 0
+    # with more noise, what missed with less is not tried again
+    while candidate := following(
+        design, current, gone={(p.candidate.camera, p.candidate.baseline_m) for p in proofs}
+    ):
         noise = PixelNoise(design.specification.noise_px)
-        proofs.append(_prove(left[0], design, room, noise))
-        if proofs[-1].verified or proofs[-1].show is None:
+        proofs.append(_prove(candidate, design, room, noise))
+        current.append(proofs[-1])
+        if proofs[-1].verified:
             break
-        if any(held.is_missed_by_pixels for held in proofs[-1].checks):
-            when = f"by {words.camera(left[0].camera)}, which missed with less"
-            found = measure_noise(specification, left[0], room, when)
+        if rounds < ROUNDS and any(held.is_missed_by_pixels for held in proofs[-1].checks):
+            rounds += 1
+            when = f"by {words.camera(candidate.camera)}, which missed with less"
+            found = measure_noise(specification, candidate, room, when)
             if found.noise_px > design.specification.noise_px:
-                design = solve(found, cameras, preference)
+                design, current = solve(found, cameras, preference), []
     return design, tuple(proofs)
 
 
@@ -166,7 +216,8 @@ def _objection(checks: Sequence[Check], agreement: str, plan: Plan) -> str:
         asked = held.requirement
         if math.isnan(held.simulated):
             return (
-                f"the scene has too few points near {words.distance(asked.depth_m)}; choose another --scene"
+                f"`{plan.scene}` has too few points near {words.distance(asked.depth_m)}, which no baseline "
+                "changes; choose another --scene"
             )
         if not held.is_met:
             return (
@@ -181,4 +232,4 @@ def _objection(checks: Sequence[Check], agreement: str, plan: Plan) -> str:
                 f"but measures {words.value(asked, held.measured, 3)} in the pictures "
                 f"({held.n_measured} matches), more than the {words.value(asked, asked.limit, 3)} allowed"
             )
-    return "" if agreement == "agrees" else agreement.removeprefix("flagged: ")
+    return agreement.removeprefix("flagged: ") if agreement.startswith("flagged") else ""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from rigsim.theory.inverse import P95_OVER_STD, Camera, Relaxation, Requirement
+from rigsim.theory.inverse import Camera, Relaxation, Requirement
+from rigsim.theory.inverse_error import P95_OVER_STD
 
 
 def rounded(value: float, up: bool, digits: int = 3) -> float:
@@ -27,7 +28,7 @@ def span(near_m: float, far_m: float) -> str:
 
 
 def share(of_rigs: float) -> str:
-    """A share of a few hundred rigs in whole percent, without the sign; 0 and 100 only where all agree."""
+    """A share of rigs in whole percent, without the sign; 0 and 100 only where all agree."""
     if 0 < of_rigs <= 0.005:
         return "< 1"
     return "> 99" if 0.995 <= of_rigs < 1 else f"{of_rigs * 100:.0f}"

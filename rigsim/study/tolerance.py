@@ -23,6 +23,8 @@ from rigsim.study.tolerance_inputs import (
     causes,
     with_values,
 )
+from rigsim.study.tolerance_judge import make_judge
+from rigsim.study.tolerance_needed import needed_alone, needed_at_equal_shares
 from rigsim.theory.sensitivity import depth_sensitivity
 from rigsim.theory.uncertainty import pixel_gain
 
@@ -67,26 +69,27 @@ class Sensitivity:
     share: float
     """Share of the variance at the judged depth."""
     needed_alone: float
-    """Tolerance that just meets the requirement when nothing else is off; infinite without effect."""
+    """Tolerance with which 95 of 100 rigs are good, noise included, when nothing else is off; infinite
+    without effect, 0 where noise alone is too much."""
     needed_equal_share: float
-    """The same when every quantity that matters takes an equal share of the variance."""
+    """The same when every quantity that matters takes an equal share of the variance, all of them at once."""
 
 
 def sensitivities(
-    rig: StereoRig, off: Causes, planes: Mapping[float, Array], required: Requirement
+    rig: StereoRig, off: Causes, planes: Mapping[float, Array], required: Requirement, noise_px: float = 0.0
 ) -> list[Sensitivity]:
     """The effect of each quantity, the worst first.
 
-    `planes` maps depths, m, to points (m, 3); the requirement's depth is one of them.
+    `planes` maps depths, m, to points (m, 3); the requirement's depth is one of them. `noise_px` on every
+    pixel coordinate takes its part of what is required.
     """
     per_plane = {depth: first_order(rig, off, points) for depth, points in planes.items()}
     rms = {depth: np.sqrt((errors**2).mean(axis=0)) for depth, errors in per_plane.items()}
     judged, judged_rms = per_plane[required.depth_m], rms[required.depth_m]
-    # a quantity that moves no depth, such as a vertical shift, takes no share
-    matters = judged_rms > 1e-9 * judged_rms.max()
     shares = judged_rms**2 / (judged_rms**2).sum()
-    with np.errstate(divide="ignore"):
-        alone = np.where(matters, required.error_m / judged_rms * off.values, math.inf)
+    judge = make_judge(rig, planes[required.depth_m], required, noise_px)
+    alone = needed_alone(judged, off.even, judge) * off.values
+    together = needed_at_equal_shares(judged, off.even, judge) * off.values
     found = [
         Sensitivity(
             key=key,
@@ -96,7 +99,7 @@ def sensitivities(
             differing_mm=float(judged[:, i].std()) * 1e3,
             share=float(shares[i]),
             needed_alone=float(alone[i]),
-            needed_equal_share=float(alone[i] / math.sqrt(matters.sum())),
+            needed_equal_share=float(together[i]),
         )
         for i, key in enumerate(off.keys)
     ]
@@ -107,12 +110,13 @@ def first_order(rig: StereoRig, off: Causes, points: Array) -> Array:
     """Depth error (m, q) m of each quantity, off by one standard deviation."""
     table = depth_sensitivity(rig, points)
     gain = pixel_gain(rig, points)[:, 2]
-    # what Perturbation has no field for: the right image moves down, or both images grow
-    left = rig.left
-    grown = np.einsum(
-        "ni,ni->n", gain[:, :2], (left.project(points) - (left.cx, left.cy)) / (left.fx, left.fy)
-    )
-    columns = [*(table[name] for name in NAMES), gain[:, 3], table["right_focal_px"] + grown]
+    # what Perturbation has no field for: the right image moves down, or both images grow by the same share
+    grown = np.zeros(len(points))
+    for camera, uv, moves in zip(
+        (rig.left, rig.right), rig.project(points), (slice(2), slice(2, 4)), strict=True
+    ):
+        grown += np.einsum("ni,ni->n", gain[:, moves], uv - (camera.cx, camera.cy)) / rig.left.fx
+    columns = [*(table[name] for name in NAMES), gain[:, 3], grown]
     return np.asarray(np.stack(columns, axis=1) @ off.effect.T * off.std)
 
 

@@ -15,8 +15,8 @@ from rigsim.rig.perturbation import NAMES
 from rigsim.rig.stereo import StereoRig
 
 PARAMETERS = (*NAMES, "right_cy_px", "both_focal_px")
-"""What a rig of a batch may be off by: `Perturbation`'s ten quantities, the right principal point's v and
-a focal length, fx and fy, that both cameras share; px."""
+"""What a rig of a batch may be off by: `Perturbation`'s ten quantities, the right principal point's v, px,
+and a focal length that both cameras share, px of the left one's fx: every other grows in proportion."""
 _PIXELS = 2
 _NEAR_STEPS = 4
 _NEAR_PX = 1e-6
@@ -49,10 +49,10 @@ class RigBatch:
         turns = _rotations(np.stack([value["pitch_rad"], value["yaw_rad"], value["roll_rad"]], axis=1))
         self.R = (left_from_right.R @ turns).transpose(0, 2, 1)
         self.t = -np.einsum("nij,nj->ni", self.R, centers)
-        longer_left = value["both_focal_px"][:, None]
-        longer_right = longer_left + value["right_focal_px"][:, None]
-        self.left_fx, self.left_fy = rig.left.fx + longer_left, rig.left.fy + longer_left
-        self.fx, self.fy = rig.right.fx + longer_right, rig.right.fy + longer_right
+        longer = 1 + value["both_focal_px"][:, None] / rig.left.fx
+        longer_right = value["right_focal_px"][:, None]
+        self.left_fx, self.left_fy = rig.left.fx * longer, rig.left.fy * longer
+        self.fx, self.fy = rig.right.fx * longer + longer_right, rig.right.fy * longer + longer_right
         self.cx = rig.right.cx + value["right_cx_px"][:, None]
         self.cy = rig.right.cy + value["right_cy_px"][:, None]
         self._d_left = rig.left.distortion or BrownConrady()

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from scipy.special import ndtri
 
-from rigsim.rig.arrays import Array
+from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance import Causes, first_order
 from rigsim.study.tolerance_batch import PARAMETERS, Rays, RigBatch, read_rays, read_rays_near
 from rigsim.study.tolerance_compensator import Compensator
+from rigsim.study.tolerance_judge import Judge
 from rigsim.theory.triangulation import triangulate
 
 PARTS_BEYOND = 0.02
@@ -24,21 +25,39 @@ _RIGS_A_BLOCK = 500
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Rigs:
+    """Rigs at one depth, each over its part of the image."""
+
+    build_mm: Array
+    """Root mean square error (n,) mm that the build alone makes; infinite where a point has no depth."""
+    whole_mm: Array
+    """The same with pixel noise."""
+    good: Mask
+    """Which (n,) meet the bound with pixel noise."""
+    good_alone: Mask
+    """Which (n,) meet it by their build alone."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class DepthErrors:
     """Built rigs at one depth; errors in mm."""
 
     depth_m: float
     """The depth."""
+    noise_mm: float
+    """Root mean square that pixel noise alone makes."""
     first_order_mm: float
-    """Root mean square over rigs and image, predicted."""
+    """Root mean square over rigs and image that the build makes, predicted."""
     rms_mm: float
     """The same, simulated; before recalibration."""
     first_over_simulated: float
     """Root mean squares of the very same rigs: prediction over simulation."""
-    per_rig_mm: Array
-    """Root mean square over the image of each rig; infinite where a point has no depth."""
-    after_per_rig_mm: Array | None
-    """The same after recalibration; None when there was none."""
+    built: Rigs
+    """As built."""
+    recalibrated: Rigs | None
+    """After a recalibration that knows nothing beforehand; None when there was none."""
+    informed: Rigs | None
+    """After one that knows the tolerances beforehand; None when there was none."""
 
     @property
     def parts(self) -> bool:
@@ -80,50 +99,70 @@ def depth_errors(
     rig: StereoRig,
     off: Causes,
     planes: Mapping[float, Array],
+    judges: Sequence[Judge],
     built: Array,
-    compensator: Compensator | None,
+    compensators: Sequence[Compensator],
     rng: np.random.Generator,
 ) -> tuple[DepthErrors, ...]:
     """What rigs off by `built` (n, q) standard deviations make of points at each depth of `planes`.
 
-    With a `compensator` each is recalibrated as well.
+    Each depth has its judge. Every rig is recalibrated by each of up to two `compensators` as well, the first
+    of which knows nothing beforehand, and the second the tolerances; both see the same pictures.
     """
     points = np.concatenate(list(planes.values()))
     ends = np.cumsum([0, *map(len, planes.values())])
     cuts = [slice(int(start), int(stop)) for start, stop in pairwise(ends)]
     scaled = first_order(rig, off, points)
-    # one row a depth, one column a rig: mean squares over the image, m^2
-    before, after, linear = (np.empty((len(cuts), len(built))) for _ in range(3))
+    linear = np.empty((len(cuts), len(built)))
+    seen: list[list[list[Rigs]]] = [[[] for _ in cuts] for _ in range(1 + len(compensators))]
     size = rigs_a_block(len(points))
     for start in range(0, len(built), size):
         block = slice(start, start + size)
         deviations = built[block] * off.std
         depth, pixels, read = built_depths(rig, deviations @ off.effect, points)
-        _mean_squares(depth - points[:, 2], cuts, before[:, block])
-        _mean_squares(built[block] @ scaled.T, cuts, linear[:, block])
-        if compensator is not None:
+        found = [depth]
+        errors = built[block] @ scaled.T
+        for i, cut in enumerate(cuts):
+            linear[i, block] = np.einsum("nm,nm->n", errors[:, cut], errors[:, cut]) / len(points[cut])
+        if compensators:
             known = deviations * ~off.after_calibration @ off.effect
-            batch = RigBatch(rig, compensator.solve(*compensator.observe(known, rng)))
-            depth = batch.triangulate(batch.rays(pixels, read or read_rays(rig, pixels)))[2]
-            _mean_squares(depth - points[:, 2], cuts, after[:, block])
-    found = []
+            observed = compensators[0].observe(known, rng)
+        for compensator in compensators:
+            batch = RigBatch(rig, compensator.solve(*observed))
+            found.append(batch.triangulate(batch.rays(pixels, read or read_rays(rig, pixels)))[2])
+        for per_depth, depths in zip(seen, found, strict=True):
+            for rigs, cut, judge in zip(per_depth, cuts, judges, strict=True):
+                rigs.append(_judged(depths[:, cut], judge))
+    result = []
     for i, (depth_m, cut) in enumerate(zip(planes, cuts, strict=True)):
-        mean_square = float(before[i].mean())
-        found.append(
+        states = [_joined(per_depth[i]) for per_depth in seen]
+        mean_square = float((states[0].build_mm ** 2).mean()) * 1e-6
+        result.append(
             DepthErrors(
                 depth_m,
+                1e3 * judges[i].noise_m,
                 1e3 * math.sqrt((scaled[cut] ** 2).sum(axis=1).mean()),
                 1e3 * math.sqrt(mean_square),
                 math.sqrt(float(linear[i].mean()) / mean_square) if mean_square > 0 else 1.0,
-                1e3 * np.sqrt(before[i]),
-                None if compensator is None else 1e3 * np.sqrt(after[i]),
+                states[0],
+                states[1] if len(states) > 1 else None,
+                states[2] if len(states) > 2 else None,
             )
         )
-    return tuple(found)
+    return tuple(result)
 
 
-def _mean_squares(errors: Array, cuts: list[slice], out: Array) -> None:
-    for i, cut in enumerate(cuts):
-        out[i] = np.einsum("nm,nm->n", errors[:, cut], errors[:, cut]) / errors[:, cut].shape[1]
-    # a point without a depth fails its rig
-    out[np.isnan(out)] = math.inf
+def _judged(depths: Array, judge: Judge) -> Rigs:
+    alone = judge.without_noise
+    return Rigs(
+        1e3 * alone.rms_m(depths), 1e3 * judge.rms_m(depths), judge.is_good(depths), alone.is_good(depths)
+    )
+
+
+def _joined(parts: Sequence[Rigs]) -> Rigs:
+    return Rigs(
+        *(
+            np.concatenate([getattr(part, name) for part in parts])
+            for name in ("build_mm", "whole_mm", "good", "good_alone")
+        )
+    )

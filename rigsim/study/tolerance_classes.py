@@ -50,13 +50,15 @@ class ToleranceClass:
     length_mm: Callable[[float], Amount]
     """Tolerance of a length, mm: of the baseline by its own, of the other shifts by the seat's."""
     right_focal_share: Amount
-    """Right focal length against the left one, of itself."""
-    both_focal_share: Amount
-    """Focal length that both share, of itself."""
+    """Right focal length against the left one, of itself; of each camera on its own if `each`."""
+    both_focal_share: Amount | None
+    """Focal length that both share, of itself; None where they share none."""
     principal_share: Amount
-    """Right principal point, of the image's width and height."""
+    """Right principal point against the left one, of the image's sides; of each if `each`."""
     k1: Amount
-    """k1, of the right camera alone and of both."""
+    """k1, of the right camera alone and of both; of each if `each`."""
+    each: bool = False
+    """Whether lenses' figures are one camera's, each off on its own: two differ by sqrt(2) more."""
 
     def tolerances(self, rig: StereoRig) -> Tolerances:
         """The class's tolerances for `rig`."""
@@ -69,12 +71,19 @@ class ToleranceClass:
             "axial_mm": (shift, 1.0),
             "vertical_mm": (shift, 1.0),
             "right_focal_px": (self.right_focal_share, rig.right.fx),
-            "both_focal_px": (self.both_focal_share, rig.right.fx),
             "right_cx_px": (self.principal_share, rig.right.width),
             "right_cy_px": (self.principal_share, rig.right.height),
             "right_k1": (self.k1, 1.0),
-            "both_k1": (self.k1, 1.0),
         }
+        if self.both_focal_share is not None:
+            amounts["both_focal_px"] = (self.both_focal_share, rig.left.fx)
+        if self.each:
+            amounts["left_focal_px"] = (self.right_focal_share, rig.left.fx)
+            amounts["left_cx_px"] = (self.principal_share, rig.left.width)
+            amounts["left_cy_px"] = (self.principal_share, rig.left.height)
+            amounts["left_k1"] = (self.k1, 1.0)
+        else:
+            amounts["both_k1"] = (self.k1, 1.0)
         values: dict[str, Any] = {key: amount.value * factor for key, (amount, factor) in amounts.items()}
         return Tolerances(
             **values,
@@ -118,9 +127,10 @@ CLASSES: Mapping[str, ToleranceClass] = MappingProxyType(
             Amount(0.01),
             lambda _: Amount(0.03),
             Amount(6.3e-4, _BOARD),
-            Amount(6.3e-4, _BOARD),
+            None,
             Amount(2.7e-4, _BOARD),
             Amount(8e-4, _BOARD),
+            each=True,
         ),
     }
 )

@@ -1,8 +1,8 @@
 """Recalibration of a built rig: what epipolar errors and one known length tell of what it is off by.
 
 The rig looks at features whose places it does not know, and at two marks whose distance it does. The
-quantities follow by least squares, with the tolerances as what is known beforehand (Gauss-Newton
-for all rigs at once). What the pictures do not show, the tolerances hold where it was.
+quantities follow by least squares with what is known of them beforehand (Gauss-Newton for all rigs at
+once). What the pictures do not show, that holds where it was.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rigsim.errors import InvalidRange
-from rigsim.rig.arrays import Array
+from rigsim.rig.arrays import Array, Ids
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance_batch import PARAMETERS, Rays, RigBatch, read_rays
 from rigsim.theory.uncertainty import pixel_gain
@@ -73,32 +73,47 @@ class Compensator:
 
     def solve(self, pixels: Array, lengths_m: Array) -> Array:
         """The quantities (n, 12) that minimise the squared `residuals` of what was observed."""
-        free = np.flatnonzero(self.std > 0)
-        thetas = np.zeros((pixels.shape[1], len(PARAMETERS)))
+        free = np.flatnonzero(self.std > 0).astype(np.int32)
+        found = np.zeros((pixels.shape[1], len(PARAMETERS)))
         rays = read_rays(self.rig, pixels)
+        moving = np.arange(len(found))
         for _ in range(_MOST_STEPS):
-            batch = RigBatch(self.rig, thetas)
-            rays = batch.rays(pixels, rays)
-            residual = self._residuals(batch, lengths_m, thetas, rays)
-            J = np.empty((*residual.shape, len(free)))
-            for place, k in enumerate(free):
-                moved = thetas.copy()
-                moved[:, k] += _STEP * self.std[k]
-                batch = RigBatch(self.rig, moved)
-                read = self._read_again(batch, PARAMETERS[k], pixels, rays)
-                J[:, :, place] = (self._residuals(batch, lengths_m, moved, read) - residual) / _STEP
-            # what one rig does not see has no say; the tolerances keep the system regular
-            hidden = ~(np.isfinite(residual) & np.isfinite(J).all(axis=2))
-            residual[hidden] = 0.0
-            J[hidden] = 0.0
-            transposed = J.transpose(0, 2, 1)
-            step = np.linalg.solve(transposed @ J, transposed @ residual[:, :, None])[:, :, 0]
-            # far off, the slopes mislead: no step is longer than what a tolerance allows
-            step /= np.maximum(np.abs(step).max(axis=1, keepdims=True) / _LONGEST, 1.0)
-            thetas[:, free] -= step * self.std[free]
-            if not np.abs(step).max(initial=0.0) > _STILL:
+            step, rays = self._step(pixels, lengths_m, found[moving], rays, free)
+            found[np.ix_(moving, free)] -= step * self.std[free]
+            still = np.abs(step).max(axis=1, initial=0.0) <= _STILL
+            if still.all():
                 break
-        return thetas
+            # what has come to rest need not be looked at again
+            if still.any():
+                moving, pixels, lengths_m = moving[~still], pixels[:, ~still], lengths_m[~still]
+                rays = Rays(
+                    (rays.left[0][~still], rays.left[1][~still]),
+                    (rays.right[0][~still], rays.right[1][~still]),
+                )
+        return found
+
+    def _step(
+        self, pixels: Array, lengths_m: Array, thetas: Array, start: Rays, free: Ids
+    ) -> tuple[Array, Rays]:
+        """One step (n, q) of Gauss-Newton, in standard deviations of the `free` quantities, and the rays."""
+        batch = RigBatch(self.rig, thetas)
+        rays = batch.rays(pixels, start)
+        residual = self._residuals(batch, lengths_m, thetas, rays)
+        J = np.empty((*residual.shape, len(free)))
+        for place, k in enumerate(free):
+            moved = thetas.copy()
+            moved[:, k] += _STEP * self.std[k]
+            batch = RigBatch(self.rig, moved)
+            read = self._read_again(batch, PARAMETERS[k], pixels, rays)
+            J[:, :, place] = (self._residuals(batch, lengths_m, moved, read) - residual) / _STEP
+        # what one rig does not see has no say; what is known beforehand keeps the system regular
+        hidden = ~(np.isfinite(residual) & np.isfinite(J).all(axis=2))
+        residual[hidden] = 0.0
+        J[hidden] = 0.0
+        transposed = J.transpose(0, 2, 1)
+        step = np.linalg.solve(transposed @ J, transposed @ residual[:, :, None])[:, :, 0]
+        # far off, the slopes mislead: no step is longer than what is known beforehand allows
+        return step / np.maximum(np.abs(step).max(axis=1, keepdims=True) / _LONGEST, 1.0), rays
 
     def _read_again(self, batch: RigBatch, name: str, pixels: Array, rays: Rays) -> Rays:
         """The rays after a tiny change of one quantity: only lenses bend them."""

@@ -10,7 +10,7 @@ import numpy as np
 from rigsim.rig.arrays import Array
 from rigsim.study.tolerance import UNITS, Sensitivity
 from rigsim.study.tolerance_words import interactions_sentence, recalibration_sentence
-from rigsim.study.tolerance_yield import DepthErrors, ToleranceResult
+from rigsim.study.tolerance_yield import DepthErrors, Rigs, ToleranceResult
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 def tolerance_document(result: ToleranceResult) -> dict[str, Any]:
     """The study with stable keys and units in their names; null where a number has no bound."""
-    rig, after = result.rig, result.yield_after
+    rig = result.rig
     return {
         "rig": {
             "baseline_mm": rig.baseline_m * 1e3,
@@ -29,10 +29,20 @@ def tolerance_document(result: ToleranceResult) -> dict[str, Any]:
         "required": {
             "depth_error_mm": result.required.error_m * 1e3,
             "distance_mm": result.required.depth_m * 1e3,
+            "statistic": "p95" if result.required.p95 else "rms",
         },
+        "noise_px": result.noise_px,
         "rigs": result.n_rigs,
         "points": result.n_points,
-        "yield": {"as_built": result.yield_before, "recalibrated": after},
+        "yield": {
+            "as_built": result.yield_before,
+            "recalibrated": result.yield_after,
+            "recalibrated_informed": result.yield_informed,
+        },
+        "yield_build_alone": {
+            name: None if rigs is None else float(rigs.good_alone.mean())
+            for name, rigs in _states(result.judged).items()
+        },
         "quantities": [
             {
                 **_head(result, item),
@@ -124,19 +134,38 @@ def _recalibration(result: ToleranceResult) -> dict[str, Any] | None:
     }
 
 
-def _depth(item: DepthErrors) -> dict[str, Any]:
-    after = item.after_per_rig_mm
+def _states(item: DepthErrors) -> dict[str, Rigs | None]:
     return {
+        "as_built": item.built,
+        "recalibrated": item.recalibrated,
+        "recalibrated_informed": item.informed,
+    }
+
+
+def _depth(item: DepthErrors) -> dict[str, Any]:
+    found: dict[str, Any] = {
         "distance_mm": item.depth_m * 1e3,
+        "noise_mm": item.noise_mm,
         "first_order_rms_mm": item.first_order_mm,
         "simulated_rms_mm": _finite(item.rms_mm),
         "first_over_simulated": item.first_over_simulated,
         "flagged": item.parts,
-        "per_rig_p50_mm": _finite(percentile_mm(item.per_rig_mm, 50)),
-        "per_rig_p95_mm": _finite(percentile_mm(item.per_rig_mm, 95)),
-        "recalibrated_p50_mm": None if after is None else _finite(percentile_mm(after, 50)),
-        "recalibrated_p95_mm": None if after is None else _finite(percentile_mm(after, 95)),
     }
+    for state, name in (
+        ("as_built", "per_rig"),
+        ("recalibrated", "recalibrated"),
+        ("recalibrated_informed", "informed"),
+    ):
+        rigs = _states(item)[state]
+        for head, errors in (
+            (name, None if rigs is None else rigs.build_mm),
+            (f"{name}_with_noise", None if rigs is None else rigs.whole_mm),
+        ):
+            for level in (50, 95):
+                found[f"{head}_p{level}_mm"] = (
+                    None if errors is None else _finite(percentile_mm(errors, level))
+                )
+    return found
 
 
 def _finite(value: float) -> float | None:

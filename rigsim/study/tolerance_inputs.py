@@ -36,6 +36,10 @@ QUANTITIES: Mapping[str, str] = MappingProxyType(
         "right_cy_px": "right principal point v",
         "right_k1": "right k1",
         "both_k1": "k1 of both",
+        "left_focal_px": "left focal length",
+        "left_cx_px": "left principal point u",
+        "left_cy_px": "left principal point v",
+        "left_k1": "left k1",
         "time_offset_ms": "time offset",
         "temperature_k": "temperature",
     }
@@ -51,8 +55,9 @@ UNITS: Mapping[str, str] = MappingProxyType(
 class Tolerances:
     """Standard deviations, or +- bounds, of what a built rig is off by; 0 is exact.
 
-    Most are those of `rigsim.rig.perturbation.Perturbation`; two more are of the lenses, the right
-    principal point's v and a focal length that both cameras share. The last two come after a calibration
+    Most are those of `rigsim.rig.perturbation.Perturbation`; more are of the lenses: the right principal
+    point's v, a focal length that both cameras share, in px of the left one (the right one grows in
+    proportion), and what is off in the left camera alone. The last two come after a calibration
     and move the baseline: an object that passes at `speed_m_s` moves on by ``speed x time offset`` between
     the two pictures, and the bar between the cameras grows by ``baseline x expansion x temperature``.
     """
@@ -69,6 +74,10 @@ class Tolerances:
     right_cy_px: float = 0.0
     right_k1: float = 0.0
     both_k1: float = 0.0
+    left_focal_px: float = 0.0
+    left_cx_px: float = 0.0
+    left_cy_px: float = 0.0
+    left_k1: float = 0.0
     time_offset_ms: float = 0.0
     temperature_k: float = 0.0
     speed_m_s: float = 1.0
@@ -118,12 +127,14 @@ def with_values(base: Tolerances, values: Mapping[str, Any]) -> Tolerances:
 
 @dataclass(frozen=True, slots=True)
 class Requirement:
-    """Largest depth error at a distance: root mean square over the image, of one built rig."""
+    """Largest depth error of one built rig at a distance, over the image and its pixel noise."""
 
     error_m: float
     """Bound, m."""
     depth_m: float
     """Distance, m."""
+    p95: bool = False
+    """Whether 95 of 100 errors are to stay under the bound; else it is their root mean square."""
 
     def __post_init__(self) -> None:
         for name, value in (("depth error", self.error_m), ("distance", self.depth_m)):
@@ -175,15 +186,21 @@ def causes(rig: StereoRig, tolerances: Tolerances) -> Causes:
 
 def _effect(rig: StereoRig, tolerances: Tolerances, key: str) -> Array:
     """Change (p,) of `PARAMETERS`, in SI units, per unit of the quantity `key`."""
-    name, factor = {
-        "yaw_deg": ("yaw_rad", math.radians(1)),
-        "pitch_deg": ("pitch_rad", math.radians(1)),
-        "roll_deg": ("roll_rad", math.radians(1)),
-        "baseline_mm": ("baseline_m", 1e-3),
-        "axial_mm": ("axial_m", 1e-3),
-        "vertical_mm": ("vertical_m", 1e-3),
+    changes: dict[str, float] = {
+        "yaw_deg": {"yaw_rad": math.radians(1)},
+        "pitch_deg": {"pitch_rad": math.radians(1)},
+        "roll_deg": {"roll_rad": math.radians(1)},
+        "baseline_mm": {"baseline_m": 1e-3},
+        "axial_mm": {"axial_m": 1e-3},
+        "vertical_mm": {"vertical_m": 1e-3},
+        # the left camera alone: both, and the right one back again
+        "left_focal_px": {"both_focal_px": 1.0, "right_focal_px": -rig.right.fx / rig.left.fx},
+        "left_k1": {"both_k1": 1.0, "right_k1": -1.0},
+        # principal points that are off alike turn the whole rig: only their difference moves depths
+        "left_cx_px": {"right_cx_px": -rig.right.fx / rig.left.fx},
+        "left_cy_px": {"right_cy_px": -rig.right.fy / rig.left.fy},
         # the object moves on while the right camera waits: as if that one stood nearer
-        "time_offset_ms": ("baseline_m", -1e-3 * tolerances.speed_m_s),
-        "temperature_k": ("baseline_m", tolerances.expansion_per_k * rig.baseline_m),
-    }.get(key, (key, 1.0))
-    return np.array([factor if name == other else 0.0 for other in PARAMETERS])
+        "time_offset_ms": {"baseline_m": -1e-3 * tolerances.speed_m_s},
+        "temperature_k": {"baseline_m": tolerances.expansion_per_k * rig.baseline_m},
+    }.get(key, {key: 1.0})
+    return np.array([changes.get(name, 0.0) for name in PARAMETERS])

@@ -8,8 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from rigsim.errors import InvalidRange
+from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance import Causes, scattered_points
+from rigsim.study.tolerance_batch import PARAMETERS
 from rigsim.study.tolerance_compensator import Compensator
 
 MOST_FEATURES = 1000
@@ -54,12 +56,23 @@ class Recalibration:
 
 
 def make_compensator(
-    rig: StereoRig, off: Causes, recalibration: Recalibration, range_m: tuple[float, float]
+    rig: StereoRig,
+    off: Causes,
+    recalibration: Recalibration,
+    range_m: tuple[float, float],
+    *,
+    informed: bool = False,
 ) -> Compensator:
-    """The calibration of one rig: features over the range, a length across the middle of the image."""
+    """The calibration of one rig: features over the range, a length across the middle of the image.
+
+    It knows nothing beforehand, as `wide_std` says, or, when `informed`, the tolerances that rigs are built
+    to: those who recalibrate seldom do, and a simulation that knows what it drew from flatters itself.
+    """
     near_m, far_m = range_m
     before = ~off.after_calibration
     std = np.sqrt(((off.effect * off.std[:, None])[before] ** 2).sum(axis=0))
+    if not informed:
+        std = np.where(std > 0, np.maximum(wide_std(rig), std), 0.0)
     middle_m = (near_m + far_m) / 2
     row = np.column_stack(
         [np.linspace(0, rig.left.width - 1, _ROW_SAMPLES), np.full(_ROW_SAMPLES, (rig.left.height - 1) / 2)]
@@ -79,3 +92,27 @@ def make_compensator(
         recalibration.averaged_px,
         recalibration.length_std_mm / 1e3,
     )
+
+
+def wide_std(rig: StereoRig) -> Array:
+    """What is known of any pair of cameras beforehand, as standard deviations (12,) of `PARAMETERS`.
+
+    By eye: 10 deg of any angle, half the baseline of any shift, 30 % of focal lengths, a tenth of the image
+    for principal points, 0.5 for k1. Hundreds of times what a calibration leaves.
+    """
+    angle, shift, width = math.radians(10), rig.baseline_m / 2, rig.right.width / 10
+    wide = {
+        "yaw_rad": angle,
+        "pitch_rad": angle,
+        "roll_rad": angle,
+        "baseline_m": shift,
+        "axial_m": shift,
+        "vertical_m": shift,
+        "right_focal_px": 0.3 * rig.right.fx,
+        "both_focal_px": 0.3 * rig.left.fx,
+        "right_cx_px": width,
+        "right_cy_px": width,
+        "right_k1": 0.5,
+        "both_k1": 0.5,
+    }
+    return np.array([wide[name] for name in PARAMETERS])

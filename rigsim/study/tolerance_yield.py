@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rigsim.errors import InvalidRange
-from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance import (
     Requirement,
@@ -19,13 +18,23 @@ from rigsim.study.tolerance import (
     sensitivities,
     shared_points,
 )
-from rigsim.study.tolerance_built import DepthErrors, depth_errors, draw
+from rigsim.study.tolerance_built import DepthErrors, Rigs, depth_errors, draw
+from rigsim.study.tolerance_compensator import Compensator
+from rigsim.study.tolerance_judge import make_judge
 from rigsim.study.tolerance_session import Recalibration, make_compensator
 
 if TYPE_CHECKING:
     from rigsim.study.tolerance_sobol import Interactions
 
-__all__ = ["DepthErrors", "Recalibration", "ToleranceResult", "draw", "make_compensator", "run_tolerance"]
+__all__ = [
+    "DepthErrors",
+    "Recalibration",
+    "Rigs",
+    "ToleranceResult",
+    "draw",
+    "make_compensator",
+    "run_tolerance",
+]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,6 +62,8 @@ class ToleranceResult:
     """Points each was judged by, over all depths."""
     known_length_m: float | None = None
     """Length that the compensator knows; None without one."""
+    noise_px: float = 0.0
+    """Standard deviation of one pixel coordinate when rigs measure, px."""
 
     @property
     def judged(self) -> DepthErrors:
@@ -61,14 +72,18 @@ class ToleranceResult:
 
     @property
     def yield_before(self) -> float:
-        """Share of rigs that meet the requirement as built."""
-        return _share(self.judged.per_rig_mm, self.required)
+        """Share of rigs that meet the requirement as built, with pixel noise."""
+        return float(self.judged.built.good.mean())
 
     @property
     def yield_after(self) -> float | None:
-        """Share of rigs that meet it after recalibration."""
-        after = self.judged.after_per_rig_mm
-        return None if after is None else _share(after, self.required)
+        """Share of rigs that meet it after a recalibration that knows nothing beforehand."""
+        return None if self.judged.recalibrated is None else float(self.judged.recalibrated.good.mean())
+
+    @property
+    def yield_informed(self) -> float | None:
+        """The same after a recalibration that knows the tolerances beforehand."""
+        return None if self.judged.informed is None else float(self.judged.informed.good.mean())
 
 
 def run_tolerance(
@@ -77,6 +92,7 @@ def run_tolerance(
     required: Requirement,
     range_m: tuple[float, float],
     *,
+    noise_px: float = 0.0,
     recalibration: Recalibration | None = None,
     n_rigs: int = 10_000,
     n_points: int = 500,
@@ -90,6 +106,7 @@ def run_tolerance(
         tolerances: what a built one may be off by.
         required: depth error and distance.
         range_m: near and far end; the middle is half way.
+        noise_px: standard deviation of one pixel coordinate when rigs measure, px.
         recalibration: what the compensator has; None leaves it out.
         n_rigs: rigs to build.
         n_points: points over all depths.
@@ -112,9 +129,13 @@ def run_tolerance(
     planes = {depth: shared_points(rig, depth, per_depth) for depth in depths_m}
     rng = np.random.default_rng(seed)
     built = draw(off, n_rigs, rng)
-    compensator = None
+    compensators: tuple[Compensator, ...] = ()
     if recalibration is not None and not off.after_calibration.all():
-        compensator = make_compensator(rig, off, recalibration, (near_m, far_m))
+        compensators = tuple(
+            make_compensator(rig, off, recalibration, (near_m, far_m), informed=informed)
+            for informed in (False, True)
+        )
+    judges = [make_judge(rig, points, required, noise_px) for points in planes.values()]
     found = None
     if with_interactions:
         from rigsim.study.tolerance_sobol import interactions  # half a second of scipy.stats
@@ -125,14 +146,11 @@ def run_tolerance(
         tolerances,
         required,
         recalibration,
-        tuple(sensitivities(rig, off, planes, required)),
-        depth_errors(rig, off, planes, built, compensator, rng),
+        tuple(sensitivities(rig, off, planes, required, noise_px)),
+        depth_errors(rig, off, planes, judges, built, compensators, rng),
         found,
         n_rigs,
         sum(map(len, planes.values())),
-        None if compensator is None else compensator.length_m,
+        compensators[0].length_m if compensators else None,
+        noise_px,
     )
-
-
-def _share(per_rig_mm: Array, required: Requirement) -> float:
-    return float((per_rig_mm <= required.error_m * 1e3).mean())

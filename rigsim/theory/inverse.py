@@ -16,7 +16,8 @@ requirement         says, at the depth Z                        baseline
 ``pixels``          ``W H <= p``                                none: the camera fits or not
 ==================  ==========================================  ==========================
 
-``sigma_d = sqrt(2) sigma`` for the noise sigma of a pixel coordinate. Depth law: Gallup et al., CVPR 2008.
+``sigma_d = sqrt(2) sigma`` for the noise sigma of a pixel coordinate. Where this first order of a depth error
+is off by over 1 %, further orders count and the bound is found numerically (`rigsim.theory.inverse_error`).
 """
 
 from __future__ import annotations
@@ -27,13 +28,11 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from rigsim.errors import InvalidRange
+from rigsim.theory.inverse_error import noise_allowed, noise_error
 
 Kind: TypeAlias = Literal[
     "depth_error", "far_disparity", "max_disparity", "overlap", "cover", "max_baseline", "fov", "pixels"
 ]
-
-P95_OVER_STD = 1.959963984540054
-"""95 of 100 normal errors are smaller than this many standard deviations, either sign."""
 
 LOWER: frozenset[Kind] = frozenset({"depth_error", "far_disparity"})
 """Requirements that ask for a long baseline."""
@@ -89,7 +88,7 @@ class Requirement:
     depth_m: float = math.nan
     """Where it holds, m; NaN where it holds anywhere."""
     per_std: float = 1.0
-    """What `limit` is in standard deviations of depth: 1, or `P95_OVER_STD` (``depth_error`` alone)."""
+    """1 for a root mean square, `P95_OVER_STD` for what 95 of 100 errors stay under (depth error)."""
 
     def __post_init__(self) -> None:
         if not (
@@ -115,7 +114,7 @@ class Requirement:
         f, W, Z = camera.focal_px, camera.width_px, self.depth_m
         match self.kind:
             case "depth_error":
-                return Z**2 * disparity_std_px * self.per_std / (f * self.limit)
+                return Z * disparity_std_px / (f * noise_allowed(self.limit / Z, self.is_p95))
             case "far_disparity":
                 return self.limit * disparity_std_px * Z / f
             case "max_disparity":
@@ -134,7 +133,7 @@ class Requirement:
         f, W, Z = camera.focal_px, camera.width_px, self.depth_m
         match self.kind:
             case "depth_error":
-                return Z**2 * disparity_std_px * self.per_std / (f * baseline_m)
+                return Z * noise_error(Z * disparity_std_px / (f * baseline_m), self.is_p95)
             case "far_disparity":
                 return f * baseline_m / (Z * disparity_std_px)
             case "max_disparity":
@@ -154,6 +153,11 @@ class Requirement:
         """Whether that value of `achieved` fulfils the requirement; arithmetic's last digits are forgiven."""
         slack = 1e-9 * self.limit
         return achieved >= self.limit - slack if self.at_least else achieved <= self.limit + slack
+
+    @property
+    def is_p95(self) -> bool:
+        """Whether `limit` is what 95 of 100 errors stay under."""
+        return self.per_std != 1
 
     @property
     def at_least(self) -> bool:
@@ -281,7 +285,7 @@ def _relax(
             found.append((place, Relaxation(requirement, camera, needed, max(ratio, 1 / ratio))))
     whole = baseline_interval(camera, requirements, noise_px)
     if not whole.failed and 0 < whole.upper.baseline_m < whole.lower.baseline_m:
-        # every lower bound is proportional to the noise
+        # every lower bound is proportional to the noise: orders beyond the first go with it as well
         factor = whole.lower.baseline_m / whole.upper.baseline_m
         found.append((-1, Relaxation(None, camera, noise_px / factor, factor)))
     return found

@@ -7,7 +7,7 @@ from typing import Literal
 from pydantic import Field
 
 from rigsim.interop.documents.base import Part, SeenRig
-from rigsim.interop.documents.tolerance import Quantity, Required, Yield
+from rigsim.interop.documents.tolerance import Quantity, Required
 
 Kind = Literal[
     "depth_error", "far_disparity", "max_disparity", "overlap", "cover", "max_baseline", "fov", "pixels"
@@ -44,7 +44,7 @@ class Candidate(SeenRig):
     focal_mm: float | None
     """Focal length, mm; null without a sensor."""
     depth_error_far_mm: float
-    """Standard deviation of the depth at the far end, mm."""
+    """Root mean square depth error at the far end that noise makes, mm."""
 
 
 class Recommended(Candidate):
@@ -56,6 +56,14 @@ class Recommended(Candidate):
     """Why, or why not."""
     margin: float
     """Room to the nearer end of its interval, as a share of the baseline."""
+    noise_share: float
+    """What pixel noise takes of the variance of the depth error asked for; of the worst of several."""
+    class_name: Literal["printed", "machined", "calibrated"] | None = Field(alias="class")
+    """The widest class of which 95 of 100 rigs keep the farthest depth error with noise; null for none."""
+    class_state: Literal["as_built", "recalibrated"] | None
+    """Whether it does as built, or once every rig is recalibrated."""
+    yield_pct: float | None
+    """Good rigs of that class in that state, %."""
 
 
 class Proved(Candidate):
@@ -95,7 +103,7 @@ class Achieved(Part):
     requirement: Kind
     """Its name."""
     statistic: Literal["std", "p95"]
-    """What a depth error means: one standard deviation, or what 95 of 100 stay under."""
+    """What a depth error means: its root mean square (std), or what 95 of 100 stay under."""
     at_mm: float | None
     """Distance that it holds at, mm; null where it holds anywhere."""
     unit: Literal["mm", "px", "fraction", "deg", "standard deviations"]
@@ -137,6 +145,40 @@ class Feasible(Camera):
     """The requirement that makes it the longest."""
 
 
+class CountedYield(Part):
+    """Rigs of one class that meet the requirement with their noise."""
+
+    as_built: float
+    """Share as built, 0 to 1."""
+    as_built_se: float
+    """Its standard error."""
+    as_built_rigs: int
+    """How many were built."""
+    as_built_enough: bool | None
+    """Whether at least 95 of 100 are good; null where that is not told."""
+    recalibrated: float
+    """Share after a recalibration that knows nothing beforehand, 0 to 1."""
+    recalibrated_se: float
+    """Its standard error."""
+    recalibrated_rigs: int
+    """How many were recalibrated."""
+    recalibrated_enough: bool | None
+    """Whether at least 95 of 100 are good; null where that is not told."""
+
+
+class Tried(Part):
+    """One thing changed, for the class that comes nearest."""
+
+    says: str
+    """What was changed."""
+    yields: float = Field(alias="yield")
+    """Share of good rigs then, 0 to 1."""
+    yield_se: float
+    """Its standard error."""
+    enough: bool | None
+    """Whether at least 95 of 100 are good; null where that is not told."""
+
+
 class DesignTolerance(Part):
     """What must be held how tightly for the recommended rig to keep its depth error."""
 
@@ -151,8 +193,12 @@ class DesignTolerance(Part):
     """Distances of the quantities' depth errors, mm."""
     quantities: list[Quantity]
     """The worst first."""
-    yields: dict[str, Yield] = Field(alias="yield")
-    """Share of good rigs, by class."""
+    noise_mm: float
+    """RMS depth error at the required distance that pixel noise alone makes, mm."""
+    yields: dict[str, CountedYield] = Field(alias="yield")
+    """Share of good rigs with their noise, by class."""
+    tried: list[Tried]
+    """What was changed where no class will do; empty where one does, or where it is not told."""
     says: str
     """The same in words."""
 
@@ -166,6 +212,8 @@ class DesignDocument(Part):
     """Those asked for and those implied."""
     range_mm: tuple[float, float]
     """Near and far end of the working range, mm."""
+    build_share: float
+    """Share of a depth error's variance that a pick was to leave for the build."""
     noise_px: float
     """Standard deviation of one pixel coordinate, px."""
     noise_source: Literal["given", "assumed", "measured"]

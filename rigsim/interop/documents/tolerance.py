@@ -13,9 +13,11 @@ class Required(Part):
     """The depth error that one rig may have."""
 
     depth_error_mm: float
-    """Root mean square over the image, mm."""
+    """Over the image and the pixel noise, mm."""
     distance_mm: float
     """At this distance, mm."""
+    statistic: Literal["rms", "p95"]
+    """Its root mean square, or what 95 of 100 errors stay under."""
 
 
 class Yield(Part):
@@ -24,7 +26,20 @@ class Yield(Part):
     as_built: float
     """With the calibration they were meant to have."""
     recalibrated: float | None
-    """After recalibration; null without it."""
+    """After a recalibration that knows nothing beforehand; null without it."""
+    recalibrated_informed: float | None
+    """After one that knows the tolerances beforehand; null without it."""
+
+
+class YieldAlone(Part):
+    """Share of the built rigs whose build alone meets the requirement, 0 to 1."""
+
+    as_built: float
+    """With the calibration they were meant to have."""
+    recalibrated: float | None
+    """After a recalibration that knows nothing beforehand; null without it."""
+    recalibrated_informed: float | None
+    """After one that knows the tolerances beforehand; null without it."""
 
 
 class Quantity(Part):
@@ -65,9 +80,10 @@ class Quantity(Part):
     sobol_bias_total_se: float | None
     """Its standard error."""
     needed_alone: float | None
-    """Tolerance that just meets the requirement alone, in its unit; null when any does."""
+    """Tolerance with which 95 of 100 rigs meet it with their noise when nothing else is off, in its unit;
+    null when any does, 0 where noise alone is too much."""
     needed_equal_share: float | None
-    """The same when every quantity takes an equal part of the variance; null when any does."""
+    """The same when every quantity takes an equal part of the variance, all at once; null when any does."""
 
 
 class Interactions(Part):
@@ -103,6 +119,8 @@ class Depth(Part):
 
     distance_mm: float
     """The distance, mm."""
+    noise_mm: float
+    """RMS depth error that pixel noise alone makes, mm."""
     first_order_rms_mm: float
     """RMS depth error over rigs and image, to first order, mm."""
     simulated_rms_mm: float | None
@@ -112,13 +130,29 @@ class Depth(Part):
     flagged: bool
     """Whether it is more than 2 % from 1."""
     per_rig_p50_mm: float | None
-    """Median over rigs of each one's RMS depth error, mm."""
+    """Median over rigs of the RMS depth error that each one's build alone makes, mm."""
     per_rig_p95_mm: float | None
     """95th percentile over rigs, mm."""
+    per_rig_with_noise_p50_mm: float | None
+    """Median with pixel noise, mm."""
+    per_rig_with_noise_p95_mm: float | None
+    """95th percentile with pixel noise, mm."""
     recalibrated_p50_mm: float | None
-    """Median after recalibration, mm; null without it."""
+    """Median after a recalibration that knows nothing beforehand, mm; null without it."""
     recalibrated_p95_mm: float | None
-    """95th percentile after recalibration, mm; null without it."""
+    """95th percentile after it, mm."""
+    recalibrated_with_noise_p50_mm: float | None
+    """Median after it, with pixel noise, mm."""
+    recalibrated_with_noise_p95_mm: float | None
+    """95th percentile after it, with pixel noise, mm."""
+    informed_p50_mm: float | None
+    """Median after a recalibration that knows the tolerances beforehand, mm; null without it."""
+    informed_p95_mm: float | None
+    """95th percentile after it, mm."""
+    informed_with_noise_p50_mm: float | None
+    """Median after it, with pixel noise, mm."""
+    informed_with_noise_p95_mm: float | None
+    """95th percentile after it, with pixel noise, mm."""
 
 
 class ToleranceDocument(Part):
@@ -126,11 +160,16 @@ class ToleranceDocument(Part):
 
     rig: Rig
     required: Required
+    noise_px: float
+    """Standard deviation of one pixel coordinate when rigs measure, px."""
     rigs: int
     """How many were built."""
     points: int
     """Points that each was judged by."""
     yields: Yield = Field(alias="yield")
+    """With pixel noise."""
+    yield_build_alone: YieldAlone
+    """As if pixels had no noise."""
     quantities: list[Quantity]
     """The worst first."""
     interactions: Interactions
