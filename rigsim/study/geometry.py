@@ -48,11 +48,12 @@ class Look:
 
 def look(simulator: Simulator, rig: StereoRig, plan: Plan) -> Look:
     """Place the rig, sample the truth and draw both views: a rig that sees nothing draws nothing."""
-    simulator.place(rig)
+    true_rig, _ = plan.true_and_assumed(rig)
+    simulator.place(true_rig)
     rng = plan.stream("truth", simulator.scene.name, rig)
     truth = simulator.truth(plan.n_points, rng, plan.range_m)
     lenses = dict.fromkeys(without_noise(sensor) for sensor in plan.sensors.values())
-    exposures = {lens: expose_pair(simulator, rig, lens, plan.supersample) for lens in lenses}
+    exposures = {lens: expose_pair(simulator, true_rig, lens, plan.supersample) for lens in lenses}
     return Look(exposures, truth)
 
 
@@ -84,7 +85,7 @@ def all_rows(
             for sensor in plan.sensors:
                 head = configuration(simulator.scene.name, rig, noise, label, sensor)
                 evidence = Evidence(
-                    rig=rig,
+                    rig=plan.true_and_assumed(rig)[1],
                     depth_m=depth_m,
                     visible=truth.visible,
                     in_right_image=truth.in_right_image,
@@ -118,7 +119,8 @@ def measure_pictures(simulator: Simulator, rig: StereoRig, plan: Plan, seen: Loo
     for label, sensor in plan.sensors.items():
         rng = plan.stream("picture", simulator.scene.name, rig, repr(sensor))
         pictures = seen.exposures[without_noise(sensor)].pictures(sensor, rng)
-        result[label] = measure(method, simulator, rig, pictures)
+        true_rig, assumed_rig = plan.true_and_assumed(rig)
+        result[label] = measure(method, simulator, true_rig, pictures, assumed_rig)
     return result
 
 
@@ -143,10 +145,11 @@ def simulate(
 ) -> tuple[Prediction, dict[str, ErrorStatistics]]:
     """Prediction for, and simulated errors of, the points that both cameras see."""
     points_left = truth.points_left[truth.visible]
-    prediction = predict(rig, points_left, noise)
+    true_rig, assumed_rig = plan.true_and_assumed(rig)
+    prediction = predict(assumed_rig, points_left, noise)
     stats = run_trials(
-        rig,
-        rig,
+        true_rig,
+        assumed_rig,
         points_left,
         noise,
         {triangulator_label(method): method for method in plan.triangulators},

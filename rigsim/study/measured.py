@@ -68,17 +68,25 @@ class Measured:
         return np.asarray(self.error_px[:, 0] - self.error_px[:, 2])
 
 
-def measure(method: str, simulator: Simulator, rig: StereoRig, pictures: Pictures) -> Measured:
+def measure(
+    method: str,
+    simulator: Simulator,
+    rig: StereoRig,
+    pictures: Pictures,
+    assumed: StereoRig | None = None,
+) -> Measured:
     """Measure a pair of pictures of the placed rig and join the truth.
 
-    What cannot be measured is a result without rows that says why.
+    The measurement is given the calibration of the `assumed` rig, the placed one's by default; the truth is
+    the placed one's. What cannot be measured is a result without rows that says why.
     """
+    assumed = assumed or rig
     try:
         if method == "corners":
-            return _corners(simulator, rig, pictures)
+            return _corners(simulator, rig, assumed, pictures)
         if method == "patches":
-            return _patches(simulator, rig, pictures)
-        return _dense(simulator, rig, pictures)
+            return _patches(simulator, rig, assumed, pictures)
+        return _dense(simulator, rig, assumed, pictures)
     except (MeasurementFailed, InvalidImage) as error:
         empty = np.empty((0, 4))
         return Measured(
@@ -94,12 +102,12 @@ def measure(method: str, simulator: Simulator, rig: StereoRig, pictures: Picture
         )
 
 
-def _corners(simulator: Simulator, rig: StereoRig, pictures: Pictures) -> Measured:
+def _corners(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures: Pictures) -> Measured:
     truth = simulator.true_corners()
     if len(truth.points_left) == 0:
         raise MeasurementFailed(f"scene {simulator.scene.name} declares no boards: measure patches")
     sizes = sorted({(int(rows), int(cols)) for rows, cols in truth.sizes})
-    found = match_sizes(pictures.left, pictures.right, sizes, rig=rig)
+    found = match_sizes(pictures.left, pictures.right, sizes, rig=assumed)
     valid = found.observations.valid
     uv_left, uv_right = found.observations.uv_left[valid], found.observations.uv_right[valid]
     covariance = np.zeros((len(uv_left), 4, 4))
@@ -123,8 +131,8 @@ def _corners(simulator: Simulator, rig: StereoRig, pictures: Pictures) -> Measur
     )
 
 
-def _patches(simulator: Simulator, rig: StereoRig, pictures: Pictures) -> Measured:
-    found = match_patches(pictures.left, pictures.right, rig)
+def _patches(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures: Pictures) -> Measured:
+    found = match_patches(pictures.left, pictures.right, assumed)
     valid = found.observations.valid
     uv_left = found.observations.uv_left[valid]
     points_left, visible = simulator.points_at(uv_left)
@@ -133,15 +141,15 @@ def _patches(simulator: Simulator, rig: StereoRig, pictures: Pictures) -> Measur
         rig,
         uv_left,
         found.observations.uv_right[valid],
-        _along_epipolar_lines(rig, points_left, found.disparity_std_px[valid]),
+        _along_epipolar_lines(assumed, points_left, found.disparity_std_px[valid]),
         1,
         points_left,
         visible,
     )
 
 
-def _dense(simulator: Simulator, rig: StereoRig, pictures: Pictures) -> Measured:
-    disparity = dense_disparity(pictures.left, pictures.right, rig)
+def _dense(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures: Pictures) -> Measured:
+    disparity = dense_disparity(pictures.left, pictures.right, assumed)
     v, u = (
         part.ravel() for part in np.mgrid[: rig.left.height : _DENSE_STRIDE, : rig.left.width : _DENSE_STRIDE]
     )
@@ -154,7 +162,7 @@ def _dense(simulator: Simulator, rig: StereoRig, pictures: Pictures) -> Measured
     # the matcher claims nothing for itself: take what its inliers scatter by, in a way that ignores tails
     error = joined.disparity_error_px[~joined.outlier]
     std_px = 1.4826 * float(np.median(np.abs(error - np.median(error)))) if len(error) else math.nan
-    covariance = _along_epipolar_lines(rig, points_left, np.full(len(u), std_px))
+    covariance = _along_epipolar_lines(assumed, points_left, np.full(len(u), std_px))
     return _joined("dense", rig, uv_left, uv_right, covariance, 1, points_left, visible)
 
 

@@ -11,11 +11,12 @@ from typing import TypeAlias
 
 import numpy as np
 
-from rigsim.errors import InvalidRange
+from rigsim.errors import InvalidRange, InvalidRig
 from rigsim.measure.sensor import Sensor
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.noise import PixelNoise
+from rigsim.rig.perturbation import Perturbation
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import SUPERSAMPLE
@@ -173,6 +174,12 @@ class Plan:
     """Lens and sensor that the pictures are taken with, by the name they have in tables."""
     supersample: int = SUPERSAMPLE
     """Samples along each side of a drawn pixel: 1, 2 or 4."""
+    assumed: StereoRig | None = None
+    """The rig that triangulates, where it is another than the one that is swept, which projects; None for
+    the same."""
+    perturbation: Perturbation | None = None
+    """How each built rig, which projects, differs from the one that is swept, which is assumed and
+    triangulates; excludes `assumed`."""
     extra: dict[str, object] = field(default_factory=dict, compare=False)
     """What the caller wants written into the provenance."""
 
@@ -187,12 +194,37 @@ class Plan:
             raise InvalidRange("a sweep needs at least one noise level, one triangulator and one sensor")
         if self.measure not in MEASURES:
             raise InvalidRange(f"measure {self.measure!r}: choose one of {', '.join(MEASURES)}")
+        if self.assumed is not None and self.perturbation is not None:
+            raise InvalidRange(
+                "an assumed rig and a perturbation both given: they say the same thing, give one"
+            )
         if self.supersample not in SUPERSAMPLES:
             raise InvalidRange(f"supersample {self.supersample}: must be 1, 2 or 4")
         if self.range_m is not None:
             near, far = self.range_m
             if not (math.isfinite(far) and 0 < near < far):
                 raise InvalidRange(f"range {near:g}:{far:g} m: must be 0 < near < far")
+
+    def true_and_assumed(self, rig: StereoRig) -> tuple[StereoRig, StereoRig]:
+        """For a rig that is swept, the one that projects and the one that triangulates.
+
+        Raises:
+            InvalidRig: their pictures have other sizes.
+        """
+        if self.perturbation is not None:
+            return self.perturbation.apply(rig), rig
+        if self.assumed is None:
+            return rig, rig
+        for side, true, assumed in (
+            ("left", rig.left, self.assumed.left),
+            ("right", rig.right, self.assumed.right),
+        ):
+            if (true.width, true.height) != (assumed.width, assumed.height):
+                raise InvalidRig(
+                    f"assumed rig: its {side} picture of {assumed.width}x{assumed.height} px must be as large "
+                    f"as the true rig's, {true.width}x{true.height} px: give a calibration of these pictures"
+                )
+        return rig, self.assumed
 
     def stream(self, purpose: str, scene: str, rig: StereoRig, *more: object) -> np.random.Generator:
         """The random stream of one configuration: it depends on nothing else that is swept."""

@@ -50,6 +50,13 @@ def sweep(
     todo = rigs if isinstance(rigs, RigGrid) else list(rigs)
     if len(todo) == 0:
         raise InvalidRange("no rig to sweep: give at least one")
+    if plan.assumed is not None and len(todo) > 1:
+        raise InvalidRange(
+            f"{len(todo)} rigs and one that is assumed: it goes with one true rig; "
+            "a perturbation goes with every rig"
+        )
+    if len(todo) == 1:
+        plan.true_and_assumed(next(iter(todo)))  # fail before anything is drawn
     rows: list[Row] = []
     by_depth: list[Row] = []
     done: list[StereoRig] = []
