@@ -54,8 +54,8 @@ def sweep(
     assume: Annotated[
         Path | None,
         typer.Option(
-            help="The rig that triangulates, where it is another than the true one of --rig, which projects: a "
-            "rig.toml, or another calibration."
+            help="The rig that triangulates, where it is another than the true one of --rig, which projects: "
+            "a rig.toml, or another calibration."
         ),
     ] = None,
     sensor_width: Annotated[str | None, typer.Option(help="Active sensor width, for a focal in mm.")] = None,

@@ -221,8 +221,8 @@ class Plan:
         ):
             if (true.width, true.height) != (assumed.width, assumed.height):
                 raise InvalidRig(
-                    f"assumed rig: its {side} picture of {assumed.width}x{assumed.height} px must be as large "
-                    f"as the true rig's, {true.width}x{true.height} px: give a calibration of these pictures"
+                    f"assumed rig: its {side} picture of {assumed.width}x{assumed.height} px must be as "
+                    f"large as the true rig's, {true.width}x{true.height} px: calibrate these pictures"
                 )
         return rig, self.assumed
 

@@ -18,6 +18,7 @@ from rigsim.study.pictures import without_noise
 from rigsim.study.plan import Plan, RigGrid, triangulator_label
 from rigsim.study.provenance import simulator_provenance
 from rigsim.study.result import AXES, DEPTH_COLUMNS, ROW_COLUMNS, Row, Showcase, SweepResult
+from rigsim.study.sweep_advice import advise
 from rigsim.theory.triangulation import resolve
 
 
@@ -93,11 +94,9 @@ def _conclude(
     order = words.rank(table)
     if not order:
         reasons = dict.fromkeys(str(reason).removeprefix("flagged: ") for reason in table["agreement"])
-        if len(reasons) == 1 and next(iter(reasons)).startswith("scene "):
-            raise InvalidScene(next(iter(reasons)))
         raise InvalidScene(
             f"scene {simulator.scene.name}: no rig has a result ({'; '.join(list(reasons)[:3])}): "
-            "choose a smaller --baseline, another --range or another --mount"
+            f"{advise(simulator, rigs, plan)}"
         )
     swept = words.swept_axes(table, ("baseline_mm", "hfov_deg", "width_px") if lens_note else AXES)
     per_rig = len(plan.noises) * len(plan.triangulators) * len(plan.sensors)
