@@ -18,7 +18,7 @@ from rigsim.study.measured import Measured, measure
 from rigsim.study.pictures import Exposure, expose_pair, without_noise
 from rigsim.study.plan import Plan, triangulator_label
 from rigsim.study.result import Row
-from rigsim.study.rows import Evidence, configuration, depth_rows, empty_row, overall_row
+from rigsim.study.rows import Evidence, configuration, empty_row, rows_of
 from rigsim.study.statistics import ErrorStatistics
 from rigsim.study.trial import Prediction, predict, run_trials
 
@@ -77,6 +77,7 @@ def all_rows(
         edges_m = np.unique(edges_m.clip(near_m, far_m))
     bins = np.searchsorted(edges_m[1:-1], depth_m, side="right").astype(np.int32)
     methods = {triangulator_label(method): method for method in plan.triangulators}
+    uv_left, _ = rig.project(truth.points_left)
     outcome = Outcome([], [])
     for noise in plan.noises:
         prediction, all_stats = simulate(simulator, rig, truth, noise, plan, bins)
@@ -85,7 +86,8 @@ def all_rows(
                 head = configuration(simulator.scene.name, rig, noise, label, sensor)
                 evidence = Evidence(
                     rig=rig,
-                    depth_m=depth_m,
+                    points_left=truth.points_left,
+                    uv_left=uv_left,
                     visible=truth.visible,
                     in_right_image=truth.in_right_image,
                     bins=bins,
@@ -95,8 +97,9 @@ def all_rows(
                     measured=measured.get(sensor),
                     triangulator=methods[label],
                 )
-                outcome.rows.append(overall_row(head, evidence))
-                outcome.by_depth.extend(depth_rows(head, evidence))
+                row, by_depth = rows_of(head, evidence)
+                outcome.rows.append(row)
+                outcome.by_depth.extend(by_depth)
     return outcome
 
 
@@ -150,7 +153,7 @@ def simulate(
         points_left,
         noise,
         {triangulator_label(method): method for method in plan.triangulators},
-        prediction.whitening,
+        prediction,
         np.where(prediction.low_disparity, -1, bins[truth.visible]).astype(np.int32),
         plan.n_trials,
         plan.stream("noise", simulator.scene.name, rig, repr(noise), plan.n_trials),

@@ -40,6 +40,9 @@ MEASURED_COLUMNS: tuple[str, ...] = (
     "predicted_from_measured_rmse_mm",
     "measured_over_predicted",
     "measured_within_3_sigma",
+    "measured_scale",
+    "measured_scale_ci_low",
+    "measured_scale_ci_high",
 )
 """What the two rendered pictures say: "none", 0 and NaN where nothing was measured. The prediction beside
 it is made from the accuracy that the measurement claims for itself, not from `noise_px`."""
@@ -65,8 +68,11 @@ ROW_COLUMNS: tuple[str, ...] = (
     "predicted_depth_rmse_mm",
     "predicted_over_simulated",
     "nees",
+    "far_inverse_depth_rmse_per_m",
+    "predicted_far_inverse_depth_rmse_per_m",
     *MEASURED_COLUMNS,
     "agreement",
+    "agreement_witness",
 )
 """Columns of sweep.csv, in order."""
 

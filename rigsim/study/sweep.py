@@ -12,6 +12,7 @@ from rigsim.errors import InvalidRange, InvalidScene
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
 from rigsim.study import verdict as words
+from rigsim.study.agreement import reason_of
 from rigsim.study.executor import run_all
 from rigsim.study.geometry import Look, look, simulate
 from rigsim.study.pictures import without_noise
@@ -85,7 +86,7 @@ def _conclude(
     depth_table = pd.DataFrame(by_depth, columns=list(DEPTH_COLUMNS))
     order = words.rank(table)
     if not order:
-        reasons = dict.fromkeys(str(reason).removeprefix("flagged: ") for reason in table["agreement"])
+        reasons = dict.fromkeys(reason_of(str(reason)) for reason in table["agreement"])
         if len(reasons) == 1 and next(iter(reasons)).startswith("scene "):
             raise InvalidScene(next(iter(reasons)))
         raise InvalidScene(

@@ -55,13 +55,13 @@ class Row(Part):
     failed_fraction: float | None
     """Triangulations of visible points that gave no point in front of both cameras."""
     low_disparity_fraction: float | None
-    """Visible points with a disparity under 4 sigma; they are kept out of every RMS."""
+    """Visible points whose depth is below 4 of its own standard deviations, kept out of every RMS."""
     depth_median_mm: float | None
     """Median true depth of the points in the statistics, mm."""
     depth_bias_mm: float | None
     """Simulated mean depth error, mm."""
     depth_rmse_mm: float | None
-    """Simulated RMS depth error, mm."""
+    """Simulated RMS depth error, mm; without the trials at infinity (1/Z below one standard deviation)."""
     depth_rmse_ci_low_mm: float | None
     """Lower end of its 95 % confidence interval, mm."""
     depth_rmse_ci_high_mm: float | None
@@ -79,7 +79,11 @@ class Row(Part):
     predicted_over_simulated: float | None
     """Ratio of the two."""
     nees: float | None
-    """Mean normalised squared error: 3 when the predicted covariance is right."""
+    """Mean normalised squared error of (1/Z, X/Z, Y/Z): 3 when the predicted covariance is right."""
+    far_inverse_depth_rmse_per_m: float | None
+    """Simulated RMS error of 1/Z of the points kept out of the RMS of depth, 1/m; null without any."""
+    predicted_far_inverse_depth_rmse_per_m: float | None
+    """The closed forms' answer for them, 1/m."""
     measured_method: str
     """What was measured in the two pictures: corners, patches, dense or none."""
     measured_n: int
@@ -102,8 +106,16 @@ class Row(Part):
     """Ratio of the two."""
     measured_within_3_sigma: float | None
     """Share of the matches whose pixel error is within three of the standard deviations they claim."""
-    agreement: str = Field(pattern="^(agrees$|flagged: )")
-    """agrees, or flagged: and why."""
+    measured_scale: float | None
+    """Within what nine of ten errors lie, over where the claim puts it: 1 when the claim holds."""
+    measured_scale_ci_low: float | None
+    """Lower end of its 99 % interval; 0 with too few points."""
+    measured_scale_ci_high: float | None
+    """Upper end of its 99 % interval; null with too few points."""
+    agreement: str = Field(pattern="^(agrees$|flagged: |untold: )")
+    """agrees; flagged: and why; or untold: and why there is not enough to tell."""
+    agreement_witness: str
+    """Which witness the reason speaks of: simulated, measured, or neither alone."""
 
 
 class OverallRow(Row):
