@@ -19,6 +19,7 @@ from rigsim.present.pictures import encode
 from rigsim.present.rig_table import rig_table
 from rigsim.present.topdown import topdown_figure
 from rigsim.present.witness_table import witness_table
+from rigsim.study.agreement import kind_of
 from rigsim.study.result import SweepResult
 
 _PICTURE_WIDTH = 1100
@@ -80,7 +81,7 @@ def report_html(result: SweepResult, plan: Figure | None = None) -> str:
         heat_figures=[figure for figure in figures if figure["kind"] == "heat"],
         by_depth=tables.best_by_depth(result),
         rows=tables.all_rows(result),
-        n_flagged=int((result.rows["agreement"] != "agrees").sum()),
+        n_flagged=int((result.rows["agreement"].map(kind_of) == "flagged").sum()),
         measured=was_measured(result.rows),
         method=method_words(best),
         scene=best["scene"],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache, partial
 
 import numpy as np
 
@@ -18,8 +19,10 @@ from rigsim.study.measured import Measured, measure
 from rigsim.study.pictures import Exposure, expose_pair, without_noise
 from rigsim.study.plan import Plan, triangulator_label
 from rigsim.study.result import Row
-from rigsim.study.rows import Evidence, configuration, depth_rows, empty_row, overall_row
+from rigsim.study.rows import Evidence, configuration, empty_row, rows_of
 from rigsim.study.statistics import ErrorStatistics
+from rigsim.study.sweep_diagnosis import find_fault
+from rigsim.study.sweep_symptoms import Fault
 from rigsim.study.trial import Prediction, predict, run_trials
 
 CORNERS_FROM_BOARDS = 3
@@ -34,6 +37,8 @@ class Outcome:
     """Rows of sweep.csv."""
     by_depth: list[Row]
     """Rows of sweep_by_depth.csv."""
+    faults: list[Fault | None]
+    """What is off in each of `rows`; None where nothing is flagged or found."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,15 +83,21 @@ def all_rows(
         edges_m = np.unique(edges_m.clip(near_m, far_m))
     bins = np.searchsorted(edges_m[1:-1], depth_m, side="right").astype(np.int32)
     methods = {triangulator_label(method): method for method in plan.triangulators}
-    outcome = Outcome([], [])
+    true_rig, assumed_rig = plan.true_and_assumed(rig)
+    uv_left, _ = true_rig.project(truth.points_left)
+    outcome = Outcome([], [], [])
     for noise in plan.noises:
         prediction, all_stats = simulate(simulator, rig, truth, noise, plan, bins)
+        usable = truth.points_left[truth.visible][~prediction.low_disparity]
         for label, stats in all_stats.items():
+            # once for all sensors, and only when a row is flagged
+            diagnose = cache(partial(find_fault, true_rig, assumed_rig, usable, noise, methods[label]))
             for sensor in plan.sensors:
                 head = configuration(simulator.scene.name, rig, noise, label, sensor)
                 evidence = Evidence(
-                    rig=plan.true_and_assumed(rig)[1],
-                    depth_m=depth_m,
+                    rig=assumed_rig,
+                    points_left=truth.points_left,
+                    uv_left=uv_left,
                     visible=truth.visible,
                     in_right_image=truth.in_right_image,
                     bins=bins,
@@ -95,9 +106,12 @@ def all_rows(
                     stats=stats,
                     measured=measured.get(sensor),
                     triangulator=methods[label],
+                    diagnose=diagnose,
                 )
-                outcome.rows.append(overall_row(head, evidence))
-                outcome.by_depth.extend(depth_rows(head, evidence))
+                row, by_depth, fault = rows_of(head, evidence)
+                outcome.faults.append(fault)
+                outcome.rows.append(row)
+                outcome.by_depth.extend(by_depth)
     return outcome
 
 
@@ -132,7 +146,8 @@ def _blind(simulator: Simulator, rig: StereoRig, plan: Plan, why: str) -> Outcom
         for method in plan.triangulators
         for sensor in plan.sensors
     )
-    return Outcome([empty_row(head, plan.n_trials, why) for head in heads], [])
+    rows = [empty_row(head, plan.n_trials, why) for head in heads]
+    return Outcome(rows, [], [None] * len(rows))
 
 
 def simulate(
@@ -153,7 +168,7 @@ def simulate(
         points_left,
         noise,
         {triangulator_label(method): method for method in plan.triangulators},
-        prediction.whitening,
+        prediction,
         np.where(prediction.low_disparity, -1, bins[truth.visible]).astype(np.int32),
         plan.n_trials,
         plan.stream("noise", simulator.scene.name, rig, repr(noise), plan.n_trials),

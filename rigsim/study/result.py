@@ -11,6 +11,7 @@ from rigsim.measure.sensor import Sensor
 from rigsim.rig.arrays import Array, Image, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.sweep_symptoms import Fault
 
 Row: TypeAlias = dict[str, str | float | int]
 """One row of a table before it becomes one."""
@@ -40,6 +41,9 @@ MEASURED_COLUMNS: tuple[str, ...] = (
     "predicted_from_measured_rmse_mm",
     "measured_over_predicted",
     "measured_within_3_sigma",
+    "measured_scale",
+    "measured_scale_ci_low",
+    "measured_scale_ci_high",
 )
 """What the two rendered pictures say: "none", 0 and NaN where nothing was measured. The prediction beside
 it is made from the accuracy that the measurement claims for itself, not from `noise_px`."""
@@ -65,8 +69,11 @@ ROW_COLUMNS: tuple[str, ...] = (
     "predicted_depth_rmse_mm",
     "predicted_over_simulated",
     "nees",
+    "far_inverse_depth_rmse_per_m",
+    "predicted_far_inverse_depth_rmse_per_m",
     *MEASURED_COLUMNS,
     "agreement",
+    "agreement_witness",
 )
 """Columns of sweep.csv, in order."""
 
@@ -138,5 +145,7 @@ class SweepResult:
     """The answer in words."""
     provenance: dict[str, object] = field(default_factory=dict)
     """Versions, renderer, seed, command: JSON values only."""
+    faults: tuple[Fault | None, ...] = ()
+    """What is off in each row, in the order of `rows`; None where nothing is flagged or found."""
     complete: bool = True
     """False when the run was interrupted and holds only the rigs done until then."""

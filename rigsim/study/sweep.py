@@ -12,6 +12,7 @@ from rigsim.errors import InvalidRange, InvalidScene
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
 from rigsim.study import verdict as words
+from rigsim.study.agreement import reason_of
 from rigsim.study.executor import run_all
 from rigsim.study.geometry import Look, look, simulate
 from rigsim.study.pictures import without_noise
@@ -19,6 +20,7 @@ from rigsim.study.plan import Plan, RigGrid, triangulator_label
 from rigsim.study.provenance import simulator_provenance
 from rigsim.study.result import AXES, DEPTH_COLUMNS, ROW_COLUMNS, Row, Showcase, SweepResult
 from rigsim.study.sweep_advice import advise
+from rigsim.study.sweep_symptoms import Fault
 from rigsim.theory.triangulation import resolve
 
 
@@ -60,6 +62,7 @@ def sweep(
         plan.true_and_assumed(next(iter(todo)))  # fail before anything is drawn
     rows: list[Row] = []
     by_depth: list[Row] = []
+    faults: list[Fault | None] = []
     done: list[StereoRig] = []
     with Simulator(plan.scene, plan.mount, plan.renderer) as simulator:
         complete = True
@@ -68,6 +71,7 @@ def sweep(
             for rig, outcome in zip(todo, outcomes, strict=True):
                 rows.extend(outcome.rows)
                 by_depth.extend(outcome.by_depth)
+                faults.extend(outcome.faults)
                 done.append(rig)
                 if progress:
                     progress(len(done))
@@ -77,12 +81,13 @@ def sweep(
                 raise
             complete = False
         lens_note = rigs.lens_note if isinstance(rigs, RigGrid) else ""
-        return _conclude(rows, by_depth, done, plan, simulator, lens_note, complete)
+        return _conclude(rows, by_depth, faults, done, plan, simulator, lens_note, complete)
 
 
 def _conclude(
     rows: list[Row],
     by_depth: list[Row],
+    faults: list[Fault | None],
     rigs: list[StereoRig],
     plan: Plan,
     simulator: Simulator,
@@ -93,7 +98,7 @@ def _conclude(
     depth_table = pd.DataFrame(by_depth, columns=list(DEPTH_COLUMNS))
     order = words.rank(table)
     if not order:
-        reasons = dict.fromkeys(str(reason).removeprefix("flagged: ") for reason in table["agreement"])
+        reasons = dict.fromkeys(reason_of(str(reason)) for reason in table["agreement"])
         raise InvalidScene(
             f"scene {simulator.scene.name}: no rig has a result ({'; '.join(list(reasons)[:3])}): "
             f"{advise(simulator, rigs, plan)}"
@@ -117,6 +122,7 @@ def _conclude(
             **plan.extra,
         },
         complete=complete,
+        faults=tuple(faults),
     )
 
 

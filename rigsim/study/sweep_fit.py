@@ -17,6 +17,7 @@ from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.sweep_models import Model, models
+from rigsim.study.views import views
 from rigsim.theory.triangulation import triangulate
 
 _STEPS = 8
@@ -48,13 +49,6 @@ class Fit:
         return model.says.format(
             f"{abs(self.amount):#.3g}{error}{unit}", more=model.ways[0 if self.amount >= 0 else 1]
         )
-
-
-def views(points_left: Array) -> Array:
-    """``(1/Z, X/Z, Y/Z)`` of points (N, 3) m."""
-    x, y, z = points_left.T
-    with np.errstate(all="ignore"):
-        return np.column_stack([1 / z, x / z, y / z])
 
 
 def fits(rig: StereoRig, points_left: Array, found_left: Array, whitening: Array) -> list[Fit]:

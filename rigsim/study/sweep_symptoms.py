@@ -11,7 +11,7 @@ from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.plan import Triangulator
-from rigsim.study.sweep_fit import views
+from rigsim.study.views import views
 from rigsim.theory.triangulation import triangulate
 from rigsim.theory.uncertainty import predict_covariance
 

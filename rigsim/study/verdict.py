@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import pandas as pd
 
+from rigsim.study.agreement import kind_of, reason_of
 from rigsim.study.result import AXES, Verdict
+from rigsim.theory.uncertainty import LEAST_DEPTH_SIGMAS
 
 WELL_COVERED = 0.8
 """A configuration must keep this share of the best coverage to be called best."""
@@ -70,7 +72,7 @@ def rank(rows: pd.DataFrame) -> tuple[int, ...]:
     noises = sorted(rows["noise_px"].unique())
     compete = rows[(rows["noise_px"] == noises[(len(noises) - 1) // 2]) & rows["depth_rmse_mm"].notna()]
     enough = compete["visible_fraction"] >= WELL_COVERED * compete["visible_fraction"].max()
-    agrees = compete["agreement"] == "agrees"
+    agrees = compete["agreement"].map(kind_of) != "flagged"
     order = (
         compete.assign(poor=~enough, doubtful=~agrees)
         .sort_values(["doubtful", "poor", "depth_rmse_mm"], kind="stable")
@@ -88,13 +90,12 @@ def judge(
     complete: bool,
 ) -> Verdict:
     """Put the sweep into sentences."""
-    flagged = rows["agreement"] != "agrees"
     row = rows.loc[best]
     sentences = [
         *_far_end(row, by_depth),
         *_trend(rows, swept, best),
         *_measured(row),
-        _agreement(rows, flagged),
+        *_agreement(rows),
         *_coverage(rows, swept),
         *_low_disparity(row),
     ]
@@ -102,6 +103,7 @@ def judge(
         sentences.append(lens_note)
     if not complete:
         sentences.insert(0, "The run was interrupted: only the rigs done until then are shown.")
+    flagged = rows["agreement"].map(kind_of) == "flagged"
     return Verdict(_headline(row, by_depth), tuple(sentences), not bool(flagged.any()))
 
 
@@ -114,7 +116,14 @@ def _headline(row: pd.Series, by_depth: pd.DataFrame) -> str:
     bins = _bins(row, by_depth)
     middle = bins[bins["depth_far_mm"] >= row["depth_median_mm"]].iloc[0]
     n = round(row["n_points"] * row["visible_fraction"])
-    ending = "and in agreement" if row["agreement"] == "agrees" else f"and {row['agreement']}"
+    ending = {
+        "agrees": "and in agreement",
+        "flagged": f"and {row['agreement']}",
+        # what is untold of the pictures leaves the simulation as it is
+        "untold": "and in agreement"
+        if row["agreement_witness"] == "measured"
+        else "with too little to tell whether they agree",
+    }[kind_of(row["agreement"])]
     return (
         f"At {_depths(middle)}, {row['baseline_mm']:.4g} mm of baseline gives "
         f"{_mm(middle['depth_rmse_mm'])} RMS depth error; "
@@ -164,20 +173,44 @@ def _trend(rows: pd.DataFrame, swept: tuple[str, ...], best: int) -> list[str]:
     ]
 
 
-def _agreement(rows: pd.DataFrame, flagged: pd.Series) -> str:
+def _agreement(rows: pd.DataFrame) -> list[str]:
+    """How many rows agree, how many are flagged and why, and how many cannot tell and why."""
+    kinds = rows["agreement"].map(kind_of)
     measured = bool((rows["measured_n"] > 0).any())
     who = "Prediction, simulation and measurement" if measured else "Prediction and simulation"
     ratio = rows["predicted_over_simulated"].dropna()
     ends = dict.fromkeys(f"{end:.3f}" for end in (ratio.min(), ratio.max())) if len(ratio) else {}
-    span = f"predicted over simulated {' to '.join(ends)}" if ends else ""
-    if not flagged.any():
-        where = "" if len(rows) == 1 else f" in all {len(rows)} rows"
-        return f"{who} agree{where}" + (f" ({span})." if span else ".")
-    reasons = rows.loc[flagged, "agreement"].str.removeprefix("flagged: ").value_counts()
-    return (
-        f"{int(flagged.sum())} of {len(rows)} {'rows is' if flagged.sum() == 1 else 'rows are'} flagged: "
-        f"{reasons.index[0]}" + (" and others." if len(reasons) > 1 else ".")
-    )
+    span = f" (predicted over simulated {' to '.join(ends)})" if ends else ""
+    n, n_agrees = len(rows), int((kinds == "agrees").sum())
+    sentences = []
+    if n_agrees == n:
+        sentences.append(f"{who} agree{'' if n == 1 else f' in all {n} rows'}{span}.")
+    elif n_agrees:
+        sentences.append(f"{who} agree in {n_agrees} of {n} rows{span}.")
+    flagged = rows[kinds == "flagged"]
+    if len(flagged):
+        is_ = "row is" if n == 1 else "rows is" if len(flagged) == 1 else "rows are"
+        sentences.append(f"{len(flagged)} of {n} {is_} flagged: {_commonest(flagged)}.")
+    return sentences + [
+        f"In {len(part)} of {n} {'row' if n == 1 else 'rows'} {words}: {_commonest(part)}."
+        for part, words in (
+            (
+                rows[(kinds == "untold") & (rows["agreement_witness"] == "measured")],
+                "prediction and simulation agree, but there is not enough to tell of the measurement",
+            ),
+            (
+                rows[(kinds == "untold") & (rows["agreement_witness"] != "measured")],
+                "there is not enough to tell whether they agree",
+            ),
+        )
+        if len(part)
+    ]
+
+
+def _commonest(rows: pd.DataFrame) -> str:
+    """The commonest reason among rows, and whether there are others."""
+    reasons = rows["agreement"].map(reason_of).value_counts()
+    return str(reasons.index[0]) + (" (and others)" if len(reasons) > 1 else "")
 
 
 def _measured(row: pd.Series) -> list[str]:
@@ -211,8 +244,10 @@ def _low_disparity(row: pd.Series) -> list[str]:
     if not row["low_disparity_fraction"] > 0:
         return []
     return [
-        f"At the best rig {_percent(row['low_disparity_fraction'])} of the points have a disparity under "
-        "4 standard deviations of its noise; they are counted, but kept out of the RMS."
+        f"At the best rig {_percent(row['low_disparity_fraction'])} of the points have a depth under "
+        f"{LEAST_DEPTH_SIGMAS:g} of its own standard deviations; they are kept out of the RMS of depth. The "
+        f"RMS error of their 1/Z is {row['far_inverse_depth_rmse_per_m']:.3g} per metre, "
+        f"predicted {row['predicted_far_inverse_depth_rmse_per_m']:.3g}."
     ]
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any
 
 from pydantic import Field
 
 from rigsim.interop.documents.base import Part, Provenance, Written
 from rigsim.study.result import SweepResult
+from rigsim.study.sweep_symptoms import Fault
 
 
 class SweepProvenance(Provenance):
@@ -55,13 +57,13 @@ class Row(Part):
     failed_fraction: float | None
     """Triangulations of visible points that gave no point in front of both cameras."""
     low_disparity_fraction: float | None
-    """Visible points with a disparity under 4 sigma; they are kept out of every RMS."""
+    """Visible points whose depth is below 4 of its own standard deviations, kept out of every RMS."""
     depth_median_mm: float | None
     """Median true depth of the points in the statistics, mm."""
     depth_bias_mm: float | None
     """Simulated mean depth error, mm."""
     depth_rmse_mm: float | None
-    """Simulated RMS depth error, mm."""
+    """Simulated RMS depth error, mm; without the trials at infinity (1/Z below one standard deviation)."""
     depth_rmse_ci_low_mm: float | None
     """Lower end of its 95 % confidence interval, mm."""
     depth_rmse_ci_high_mm: float | None
@@ -79,7 +81,11 @@ class Row(Part):
     predicted_over_simulated: float | None
     """Ratio of the two."""
     nees: float | None
-    """Mean normalised squared error: 3 when the predicted covariance is right."""
+    """Mean normalised squared error of (1/Z, X/Z, Y/Z): 3 when the predicted covariance is right."""
+    far_inverse_depth_rmse_per_m: float | None
+    """Simulated RMS error of 1/Z of the points kept out of the RMS of depth, 1/m; null without any."""
+    predicted_far_inverse_depth_rmse_per_m: float | None
+    """The closed forms' answer for them, 1/m."""
     measured_method: str
     """What was measured in the two pictures: corners, patches, dense or none."""
     measured_n: int
@@ -102,12 +108,42 @@ class Row(Part):
     """Ratio of the two."""
     measured_within_3_sigma: float | None
     """Share of the matches whose pixel error is within three of the standard deviations they claim."""
-    agreement: str = Field(pattern="^(agrees$|flagged: )")
-    """agrees, or flagged: and why."""
+    measured_scale: float | None
+    """Within what nine of ten errors lie, over where the claim puts it: 1 when the claim holds."""
+    measured_scale_ci_low: float | None
+    """Lower end of its 99 % interval; 0 with too few points."""
+    measured_scale_ci_high: float | None
+    """Upper end of its 99 % interval; null with too few points."""
+    agreement: str = Field(pattern="^(agrees$|flagged: |untold: )")
+    """agrees; flagged: and why; or untold: and why there is not enough to tell."""
+    agreement_witness: str
+    """Which witness the reason speaks of: simulated, measured, or neither alone."""
+
+
+class Diagnosis(Part):
+    """What is off in a flagged row."""
+
+    mistake: str
+    """Stable short name, as yaw or scale; unknown when no single known mistake explains the errors."""
+    says: str
+    """One sentence."""
+    amount: float | None
+    """How much, in unit: the truth minus what the triangulation takes; null where it has no amount."""
+    amount_se: float | None
+    """Standard error of the amount."""
+    unit: str
+    """Unit of the amount; empty where it has none."""
+    explained: float | None
+    """Share of the error that it explains, 0 to 1; null where that is not what tells."""
+    also: list[str]
+    """Mistakes that have the same effect here."""
 
 
 class OverallRow(Row):
     """One configuration over all depths."""
+
+    diagnosis: Diagnosis | None
+    """What is off; null where the simulation is not flagged."""
 
     limited_by: str
     """What limits it, in a word or two."""
@@ -159,6 +195,7 @@ class SweepDocument(Part):
 def sweep_document(result: SweepResult, written: Written | None) -> dict[str, Any]:
     """The whole sweep; `written` is its report, None when none was asked for."""
     provenance = dict(result.provenance)
+    faults = result.faults or (None,) * len(result.rows)
     document = SweepDocument.model_validate(
         {
             "command": provenance.pop("command", ""),
@@ -172,8 +209,10 @@ def sweep_document(result: SweepResult, written: Written | None) -> dict[str, An
             "best": list(result.best),
             "lens_note": _said(result.lens_note) or None,
             "rows": [
-                {**row, "limited_by": limit}
-                for row, limit in zip(result.rows.to_dict("records"), result.limits, strict=True)
+                {**row, "limited_by": limit, "diagnosis": _diagnosis(fault)}
+                for row, limit, fault in zip(
+                    result.rows.to_dict("records"), result.limits, faults, strict=True
+                )
             ],
             "by_depth": result.by_depth.to_dict("records"),
             "provenance": provenance,
@@ -181,6 +220,13 @@ def sweep_document(result: SweepResult, written: Written | None) -> dict[str, An
         }
     )
     return document.model_dump()
+
+
+def _diagnosis(fault: Fault | None) -> dict[str, Any] | None:
+    if fault is None:
+        return None
+    values = asdict(fault)
+    return {"mistake": values.pop("name"), **values, "also": list(fault.also)}
 
 
 def _said(text: str) -> str:
