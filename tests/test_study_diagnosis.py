@@ -82,6 +82,16 @@ MISTAKES: dict[str, tuple[Callable[..., Array], str, float]] = {
     ),
     "x negated": (answer(lambda X, uv: X * (-1, 1, 1)), "x has the opposite sign", np.nan),
     "x = y = 0": (answer(lambda X, uv: X * (0, 0, 1)), "X and Y come back as 0", np.nan),
+    "u and v swapped": (
+        lambda rig, left, right: triangulate(rig, left[:, ::-1], right[:, ::-1]),
+        "u and v are exchanged",
+        np.nan,
+    ),
+    "one image twice": (
+        lambda rig, left, right: triangulate(rig, left, left),
+        "disparities come out as 0",
+        np.nan,
+    ),
     "rows reversed": (answer(lambda X, uv: X[::-1]), "in reverse order", np.nan),
     "images swapped": (lambda rig, left, right: triangulate(rig, right, left), "swapped images", np.nan),
     "focal": (believing(lambda rig: longer(rig, 0.002, 0.002)), "focal length of both .* shorter", 0.2),

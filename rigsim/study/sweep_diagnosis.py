@@ -20,7 +20,17 @@ from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.plan import Triangulator
 from rigsim.study.sweep_fit import Fit, fits, rig_differences
-from rigsim.study.sweep_symptoms import TRIALS, Asked, Fault, ask, flat, percent, scatter, where
+from rigsim.study.sweep_symptoms import (
+    TRIALS,
+    Asked,
+    Fault,
+    ask,
+    flat,
+    percent,
+    scatter,
+    where,
+    without_disparity,
+)
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.checks import judge
 from rigsim.study.verify.diagnosis import diagnose
@@ -82,6 +92,9 @@ def _own(asked: Asked, found: Array) -> Fault | None:
     off = np.asarray(answered & ~(size <= _NEGLIGIBLE))
     if not np.array_equal(found, asked.answer(asked.rig), equal_nan=True):
         return _random(asked)
+    infinite = without_disparity(asked, found)
+    if infinite is not None:
+        return infinite
     lost = float((~answered).mean())
     if not off.any():
         return _lost(asked, found, lost) if lost > _LOST else None

@@ -22,6 +22,8 @@ _MOST_POINTS = 400
 _SEED = 20_240_229
 _LEAST_NOISE_PX = 1e-3  # exact pixels have no scatter to weigh errors by
 _LOST = 1e-3
+_AT_INFINITY = 1e-6  # of the true 1/Z
+_LIFT_PX, _FAR_M, _MOST = 10.0, 1e6, 0.9
 _SPREAD = 0.05
 _ONE_IMAGE = 1.3  # sqrt(2) with equal lenses
 _IMPURE = 0.03
@@ -107,6 +109,27 @@ def flat(found: Array) -> Fault | None:
     return Fault(
         "constant-coordinates", f"{words} {'comes' if len(same) == 1 else 'come'} back as {what} in every row"
     )
+
+
+def without_disparity(asked: Asked, found: Array) -> Fault | None:
+    """Of answers at infinity: whether the depth follows the rows instead of the columns."""
+    inverse = views(found)[:, 0] / views(asked.points_left)[:, 0]
+    if not np.nanmedian(np.where(np.isfinite(inverse), np.abs(inverse), 0.0)) < _AT_INFINITY:
+        return None
+    uv_left, uv_right = asked.rig.project(asked.points_left)
+
+    def is_answered(*move_px: float) -> bool:
+        moved = triangulate(asked.rig, uv_left, uv_right + move_px, asked.method)
+        near = np.isfinite(moved).all(axis=1) & (np.abs(moved[:, 2]) < _FAR_M)
+        return float(near.mean()) >= _MOST
+
+    if is_answered(0.0, -_LIFT_PX):
+        says = "u and v are exchanged: depth follows the rows instead of the columns"
+        return Fault("row-column-exchanged", says)
+    # where the disparity is taken with the other sign, it is right again once it is turned over
+    if is_answered(2 * float(np.abs(uv_left - uv_right).max()), 0.0):
+        return None
+    return Fault("no-disparity", "disparities come out as 0, whatever the pixels: is one image used twice?")
 
 
 def where(asked: Asked, off: Mask) -> str:
