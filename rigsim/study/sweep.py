@@ -98,10 +98,10 @@ def _conclude(
     depth_table = pd.DataFrame(by_depth, columns=list(DEPTH_COLUMNS))
     order = words.rank(table)
     if not order:
-        reasons = dict.fromkeys(reason_of(str(reason)) for reason in table["agreement"])
+        where = f"scene {simulator.scene.name}: "
+        reasons = dict.fromkeys(reason_of(str(text)).removeprefix(where) for text in table["agreement"])
         raise InvalidScene(
-            f"scene {simulator.scene.name}: no rig has a result ({'; '.join(list(reasons)[:3])}): "
-            f"{advise(simulator, rigs, plan)}"
+            f"{where}no rig has a result ({'; '.join(list(reasons)[:3])}): {advise(simulator, rigs, plan)}"
         )
     swept = words.swept_axes(table, ("baseline_mm", "hfov_deg", "width_px") if lens_note else AXES)
     per_rig = len(plan.noises) * len(plan.triangulators) * len(plan.sensors)

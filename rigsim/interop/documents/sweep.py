@@ -142,11 +142,10 @@ class Diagnosis(Part):
 class OverallRow(Row):
     """One configuration over all depths."""
 
-    diagnosis: Diagnosis | None
-    """What is off; null where the simulation is not flagged."""
-
     limited_by: str
     """What limits it, in a word or two."""
+    diagnosis: Diagnosis | None
+    """What is off; null where the simulation is not flagged."""
 
 
 class DepthRow(Row):
