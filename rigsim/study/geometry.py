@@ -80,7 +80,7 @@ def all_rows(
     uv_left, _ = rig.project(truth.points_left)
     outcome = Outcome([], [])
     for noise in plan.noises:
-        prediction, all_stats = simulate(simulator, rig, truth, noise, plan, bins)
+        predictions, all_stats = simulate(simulator, rig, truth, noise, plan, bins)
         for label, stats in all_stats.items():
             for sensor in plan.sensors:
                 head = configuration(simulator.scene.name, rig, noise, label, sensor)
@@ -92,7 +92,7 @@ def all_rows(
                     in_right_image=truth.in_right_image,
                     bins=bins,
                     edges_m=edges_m,
-                    prediction=prediction,
+                    prediction=predictions[label],
                     stats=stats,
                     measured=measured.get(sensor),
                     triangulator=methods[label],
@@ -143,19 +143,21 @@ def simulate(
     noise: PixelNoise,
     plan: Plan,
     bins: Ids,
-) -> tuple[Prediction, dict[str, ErrorStatistics]]:
-    """Prediction for, and simulated errors of, the points that both cameras see."""
+) -> tuple[dict[str, Prediction], dict[str, ErrorStatistics]]:
+    """Predictions for, and simulated errors of, the points that both cameras see, by the triangulator."""
     points_left = truth.points_left[truth.visible]
-    prediction = predict(rig, points_left, noise)
+    methods = {triangulator_label(method): method for method in plan.triangulators}
+    predictions = {label: predict(rig, points_left, noise, method) for label, method in methods.items()}
+    too_far = next(iter(predictions.values())).low_disparity
     stats = run_trials(
         rig,
         rig,
         points_left,
         noise,
-        {triangulator_label(method): method for method in plan.triangulators},
-        prediction,
-        np.where(prediction.low_disparity, -1, bins[truth.visible]).astype(np.int32),
+        methods,
+        predictions,
+        np.where(too_far, -1, bins[truth.visible]).astype(np.int32),
         plan.n_trials,
         plan.stream("noise", simulator.scene.name, rig, repr(noise), plan.n_trials),
     )
-    return prediction, stats
+    return predictions, stats
