@@ -256,6 +256,11 @@ def _statistics(
         "predicted_over_simulated": predicted / rmse,
         "nees": 3.0 * (rmse / predicted) ** 2,
         "agreement": agreement,
+        "agreement_witness": ""
+        if agreement == "agrees"
+        else "measured"
+        if "measured" in agreement
+        else "simulated",
     }
 
 

@@ -87,9 +87,9 @@ def all_rows(
     uv_left, _ = true_rig.project(truth.points_left)
     outcome = Outcome([], [], [])
     for noise in plan.noises:
-        prediction, all_stats = simulate(simulator, rig, truth, noise, plan, bins)
-        usable = truth.points_left[truth.visible][~prediction.low_disparity]
+        predictions, all_stats = simulate(simulator, rig, truth, noise, plan, bins)
         for label, stats in all_stats.items():
+            usable = truth.points_left[truth.visible][~predictions[label].low_disparity]
             # once for all sensors, and only when a row is flagged
             diagnose = cache(partial(find_fault, true_rig, assumed_rig, usable, noise, methods[label]))
             for sensor in plan.sensors:
@@ -102,7 +102,7 @@ def all_rows(
                     in_right_image=truth.in_right_image,
                     bins=bins,
                     edges_m=edges_m,
-                    prediction=prediction,
+                    prediction=predictions[label],
                     stats=stats,
                     measured=measured.get(sensor),
                     triangulator=methods[label],
@@ -157,20 +157,24 @@ def simulate(
     noise: PixelNoise,
     plan: Plan,
     bins: Ids,
-) -> tuple[Prediction, dict[str, ErrorStatistics]]:
-    """Prediction for, and simulated errors of, the points that both cameras see."""
+) -> tuple[dict[str, Prediction], dict[str, ErrorStatistics]]:
+    """Predictions for, and simulated errors of, the points that both cameras see, by the triangulator."""
     points_left = truth.points_left[truth.visible]
     true_rig, assumed_rig = plan.true_and_assumed(rig)
-    prediction = predict(assumed_rig, points_left, noise)
+    methods = {triangulator_label(method): method for method in plan.triangulators}
+    predictions = {
+        label: predict(assumed_rig, points_left, noise, method) for label, method in methods.items()
+    }
+    too_far = next(iter(predictions.values())).low_disparity
     stats = run_trials(
         true_rig,
         assumed_rig,
         points_left,
         noise,
-        {triangulator_label(method): method for method in plan.triangulators},
-        prediction,
-        np.where(prediction.low_disparity, -1, bins[truth.visible]).astype(np.int32),
+        methods,
+        predictions,
+        np.where(too_far, -1, bins[truth.visible]).astype(np.int32),
         plan.n_trials,
         plan.stream("noise", simulator.scene.name, rig, repr(noise), plan.n_trials),
     )
-    return prediction, stats
+    return predictions, stats

@@ -7,12 +7,17 @@ errors have the predicted mean, spread and shape however far the point lies.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from rigsim.rig.arrays import Array
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
+from rigsim.theory.triangulation import triangulate
 from rigsim.theory.uncertainty import predict_bias, predict_covariance
+
+_STEP = 0.1
 
 
 def views(points_left: Array) -> Array:
@@ -46,3 +51,25 @@ def predict_views(rig: StereoRig, points_left: Array, noise: PixelNoise) -> tupl
     bias[:, 1] += x * C[:, 2, 2] / z**3 - C[:, 0, 2] / z**2
     bias[:, 2] += y * C[:, 2, 2] / z**3 - C[:, 1, 2] / z**2
     return bias, G @ C @ G.transpose(0, 2, 1)
+
+
+def expand_views(rig: StereoRig, points_left: Array, noise: PixelNoise, method: str) -> tuple[Array, Array]:
+    """The same as `predict_views` for a method that is not the maximum-likelihood one, by its own expansion.
+
+    Second order in the noise, by differences of a tenth of a standard deviation along the axes of the
+    noise's covariance: ``bias = 1/2 sum_k d2 views / dk2``, ``covariance = sum_k (d views / dk)^2``.
+    """
+    variances, axes = np.linalg.eigh(noise.covariance_px2)
+    uv_left, uv_right = rig.project(points_left)
+    middle = views(triangulate(rig, uv_left, uv_right, method))
+    bias, covariance = np.zeros((len(points_left), 3)), np.zeros((len(points_left), 3, 3))
+    for variance, axis in zip(variances, axes.T, strict=True):
+        move = _STEP * math.sqrt(max(variance, 0.0)) * axis
+        ahead, behind = (
+            views(triangulate(rig, uv_left + way * move[:2], uv_right + way * move[2:], method))
+            for way in (1, -1)
+        )
+        bias += 0.5 * (ahead + behind - 2 * middle) / _STEP**2
+        slope = (ahead - behind) / (2 * _STEP)
+        covariance += slope[:, :, None] * slope[:, None, :]
+    return bias, covariance
