@@ -9,7 +9,8 @@ import pytest
 
 from rigsim import Intrinsics, PixelNoise, Plan, RigGrid, StereoRig, sweep
 from rigsim.cli import quantity
-from rigsim.errors import InvalidScene
+from rigsim.errors import InvalidScene, RenderUnavailable
+from rigsim.sim.render import check_size
 from tests.scenes import SLANTED, write
 
 LENS = Intrinsics(160, 120, 150.0, 150.0, 79.5, 59.5)
@@ -92,6 +93,15 @@ def test_a_mount_that_sees_nothing_is_told_one_that_does(tmp_path_factory: pytes
     (mount,) = re.findall(r"--mount (camera:\w+)", said)
     assert mount == "camera:front"
     assert has_result(rig(0.2), plan(blind, mount=mount))
+
+
+def test_a_picture_that_is_too_large_is_told_the_largest():
+    # the renderer's own limit is 16,384 px
+    with pytest.raises(RenderUnavailable) as refused:
+        check_size(replace(LENS, width=20_000), 2)
+    (largest,) = re.findall(r"--resolution of at most (\d+) px", str(refused.value))
+    assert largest == "8192"
+    check_size(replace(LENS, width=int(largest)), 2)
 
 
 def test_where_nothing_helps_nothing_is_advised(tmp_path_factory: pytest.TempPathFactory):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -18,7 +19,7 @@ from rigsim.study.geometry import Look, look, simulate
 from rigsim.study.pictures import without_noise
 from rigsim.study.plan import Plan, RigGrid, triangulator_label
 from rigsim.study.provenance import simulator_provenance
-from rigsim.study.result import AXES, DEPTH_COLUMNS, ROW_COLUMNS, Row, Showcase, SweepResult
+from rigsim.study.result import AXES, DEPTH_COLUMNS, ROW_COLUMNS, Row, Showcase, SweepResult, Verdict
 from rigsim.study.sweep_advice import advise
 from rigsim.study.sweep_symptoms import Fault
 from rigsim.theory.triangulation import resolve
@@ -113,7 +114,7 @@ def _conclude(
         limits=words.limits(table),
         lens_note=lens_note,
         showcase=_showcase(simulator, rigs[order[0] // per_rig], order[0], plan),
-        verdict=words.judge(table, depth_table, swept, order[0], lens_note, complete),
+        verdict=_with_rigs(words.judge(table, depth_table, swept, order[0], lens_note, complete), plan),
         provenance={
             **simulator_provenance(simulator),
             "seed": plan.seed,
@@ -124,6 +125,17 @@ def _conclude(
         complete=complete,
         faults=tuple(faults),
     )
+
+
+def _with_rigs(verdict: Verdict, plan: Plan) -> Verdict:
+    """The verdict, with a word of it when the true rig is not the assumed one."""
+    if plan.assumed is None and plan.perturbation is None:
+        return verdict
+    said = (
+        "Pixels and pictures are the true rig's; depths are triangulated, predicted and measured with the "
+        "assumed one."
+    )
+    return replace(verdict, sentences=(*verdict.sentences, said))
 
 
 def _showcase(simulator: Simulator, rig: StereoRig, row: int, plan: Plan) -> Showcase:
