@@ -1,4 +1,4 @@
-"""How often `sweep` flags a rig that is right: 10 rigs, 5 scenes, 40 seeds, 400 runs; at most 1 may be flagged.
+"""How often `sweep` flags a right rig: 10 rigs, 5 scenes, 40 seeds, 400 runs; at most 1 may be flagged.
 
 Each seed runs every rig, in a scene that turns with the seed. The rigs are simulated by the pixel noise
 that suits them worst: far points, zoomed lenses, distortion. Every tenth run is measured as well, with a
