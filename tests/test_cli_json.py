@@ -139,12 +139,13 @@ def test_a_sweep_writes_files_only_when_asked(capsys: pytest.CaptureFixture[str]
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_sweep_that_measures_nothing_is_null_and_flagged(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_sweep_that_measures_nothing_is_null_and_untold(capsys: pytest.CaptureFixture[str]) -> None:
     said = answer(capsys, "sweep", f"sweep --baseline 60 --measure corners {SMALL.replace('rays', 'auto')}")
     (row,) = said["rows"]
     assert (row["measured_n"], row["measured_depth_rmse_mm"]) == (0, None)
-    assert row["agreement"].startswith("flagged: nothing was measured")
-    assert said["verdict"]["agrees"] is False
+    assert row["agreement"].startswith("untold: nothing was measured")
+    assert row["agreement_witness"] == "measured"
+    assert "not enough to tell of the measurement" in " ".join(said["verdict"]["sentences"])
 
 
 def test_a_rig_without_result_is_a_row_of_nulls(capsys: pytest.CaptureFixture[str]) -> None:

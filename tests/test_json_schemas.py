@@ -139,7 +139,7 @@ def _mistype(node: dict[str, Any]) -> None:
 
 
 def test_the_rows_are_those_of_the_tables() -> None:
-    assert tuple(OverallRow.model_fields) == (*ROW_COLUMNS, "limited_by")
+    assert tuple(OverallRow.model_fields) == (*ROW_COLUMNS, "limited_by", "diagnosis")
     assert set(DepthRow.model_fields) == set(DEPTH_COLUMNS)
 
 

@@ -238,18 +238,20 @@ def test_the_page_of_panels_holds_the_third_strip_for_each(result):
     style.to_png(figure, dpi=50)
 
 
-@pytest.mark.parametrize(
-    ("agreement", "blamed"),
-    [
-        ("agrees", (False, False)),
-        ("flagged: simulated error 12 % above the prediction", (True, False)),
-        ("flagged: measured error 1.8 times what its own accuracy predicts", (False, True)),
-        ("flagged: nothing was measured (no board; none in left)", (False, True)),
-        ("flagged: left and right share nothing", (True, False)),
-    ],
-)
-def test_who_is_flagged(agreement: str, blamed: tuple[bool, bool]):
-    assert words.blamed(agreement) == blamed
+def test_who_is_flagged():
+    rows = pd.DataFrame(
+        [
+            ("agrees", ""),
+            # the witness is told by its column, whatever words the reason has
+            ("flagged: simulated error where none was measured", "simulated"),
+            ("flagged: errors are 1.8 times what they claim", "measured"),
+            ("untold: nothing was measured (no board; none in left)", "measured"),
+            ("untold: left and right share nothing", "simulated"),
+        ],
+        columns=["agreement", "agreement_witness"],
+    )
+    assert words.blamed(rows, "simulated").tolist() == [False, True, False, False, False]
+    assert words.blamed(rows, "measured").tolist() == [False, False, True, False, False]
 
 
 def test_the_noise_to_type_is_the_disparitys_over_root_two():

@@ -262,6 +262,11 @@ def _statistics(
         "depth_rmse_image_mm": rmse,
         "predicted_depth_rmse_image_mm": predicted,
         "agreement": agreement,
+        "agreement_witness": ""
+        if agreement == "agrees"
+        else "measured"
+        if "measured" in agreement
+        else "simulated",
     }
 
 

@@ -10,14 +10,18 @@ import pytest
 from rigsim.study.statistics import ErrorStatistics, summarize
 
 N, T = 40, 300
+VIEW = [2, 0, 1]
 
 
 def gather(errors: np.ndarray, groups: np.ndarray, covariance: np.ndarray, block: int) -> ErrorStatistics:
     stats = ErrorStatistics(errors.shape[1], groups.astype(np.int32), int(groups.max()) + 1)
     W = np.linalg.inv(np.linalg.cholesky(covariance))
     whitening = np.stack([np.full(errors.shape[1], W[i, j]) for i in range(3) for j in range(i + 1)])
+    near = np.full(errors.shape[1], np.inf)  # no trial is at infinity
     for start in range(0, len(errors), block):
-        stats.add(errors[start : start + block], whitening)
+        # the view errors are any three numbers: here the metric ones in another order
+        part = errors[start : start + block]
+        stats.add(part, part[..., VIEW], whitening, near)
     return stats
 
 
@@ -43,8 +47,11 @@ def test_moments_and_quantiles(errors: np.ndarray, block: int):
     assert got.point_rmse_m == pytest.approx(math.sqrt((errors**2).sum(-1).mean()), rel=1e-12)
     assert got.abs_p50_m == pytest.approx(np.quantile(np.abs(z), 0.5), rel=3e-3)
     assert got.abs_p95_m == pytest.approx(np.quantile(np.abs(z), 0.95), rel=3e-3)
-    nees = np.einsum("tni,ij,tnj->tn", errors, np.linalg.inv(COVARIANCE), errors).mean()
+    seen = errors[..., VIEW]
+    nees = np.einsum("tni,ij,tnj->tn", seen, np.linalg.inv(COVARIANCE), seen).mean()
     assert got.nees == pytest.approx(nees, rel=1e-9)
+    np.testing.assert_allclose(stats.sum_view, seen.sum(axis=0).T, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(stats.sum_depth_w2, (seen[..., 0] ** 2 / COVARIANCE[0, 0]).sum(axis=0))
 
 
 def test_failures_are_left_out_and_counted(errors: np.ndarray):
@@ -56,6 +63,21 @@ def test_failures_are_left_out_and_counted(errors: np.ndarray):
     assert got.n == np.isfinite(errors[..., 2]).sum()
     assert got.rmse_m == pytest.approx(math.sqrt(np.nanmean(errors[..., 2] ** 2)), rel=1e-12)
     assert np.isnan(stats.depth_rmse_m[9])
+
+
+def test_trials_at_infinity_count_but_have_no_metric_error():
+    # 1/Z is 4 standard deviations from 0: -3.5 of them leave half of one, and that is at infinity
+    stats = ErrorStatistics(1, np.zeros(1, dtype=np.int32), 1)
+    whitening = np.array([1.0, 0, 1, 0, 0, 1])[:, None]
+    view = np.zeros((3, 1, 3))
+    view[:, 0, 0] = (1.0, -2.5, -3.5)
+    stats.add(view * 100, view, whitening, np.array([4.0]))
+    assert stats.count[0] == 3
+    assert stats.n_finite[0] == 2
+    got = summarize(stats, np.ones(1), np.ones(1, dtype=bool), slice(0, 1))
+    assert got is not None
+    assert stats.sum_depth_w2[0] == pytest.approx(1 + 2.5**2 + 3.5**2)
+    assert got.nees == pytest.approx((1 + 2.5**2 + 3.5**2) / 3)
 
 
 def test_points_out_of_every_group_do_not_move_quantiles(errors: np.ndarray):

@@ -96,8 +96,10 @@ def test_swapped_cameras_find_nothing(scene: str):
         sweep([StereoRig.rectified(LENS, 0.2)], plan(scene, triangulators=(broken_swapped,)))
 
 
-def test_flipped_rows_show_in_nees_and_point_error(scene: str):
+def test_flipped_rows_are_flagged_by_position(scene: str):
     row = sweep([RIG], plan(scene, triangulators=(broken_y,))).rows.loc[0]
+    assert row["agreement"].startswith("flagged: simulated position error")
+    assert row["agreement_witness"] == "simulated"
     assert row["nees"] > 100
     assert row["point_rmse_mm"] > 3 * row["depth_rmse_mm"]
 
@@ -163,9 +165,12 @@ def test_depth_rows_hold_their_own_points(scene: str):
     assert pooled == pytest.approx(result.rows["depth_rmse_mm"][0], rel=1e-9)
 
 
-def test_no_noise_leaves_arithmetic_alone(scene: str):
-    row = sweep([RIG], plan(scene, noises=(PixelNoise(0.0),))).rows.loc[0]
-    assert row["agreement"] == "agrees"
+def test_no_noise_leaves_arithmetic_alone_and_tells_nothing_of_noise(scene: str):
+    result = sweep([RIG], plan(scene, noises=(PixelNoise(0.0),)))
+    row = result.rows.loc[0]
+    assert row["agreement"].startswith("untold: without noise there is no error to compare")
+    assert "In 1 of 1 row there is not enough to tell" in " ".join(result.verdict.sentences)
+    assert np.isnan(row["nees"])
     assert row["depth_rmse_mm"] < 1e-9 * row["depth_median_mm"]
     assert row["predicted_depth_rmse_mm"] == 0
 
@@ -178,18 +183,22 @@ def test_low_disparity_is_counted_and_kept_out(scene: str):
     far = result.by_depth[result.by_depth["depth_near_mm"] > 4243]
     assert (far["low_disparity_fraction"] == 1).all()
     assert far["depth_rmse_mm"].isna().all()
-    assert (far["agreement"] == "flagged: every depth is below 4 of its standard deviations").all()
+    assert (far["agreement"] == "untold: every depth is below 4 of its standard deviations").all()
+    assert row["agreement"] == "agrees"
     assert row["depth_median_mm"] < 4243
     # the sentence speaks of it
-    assert "under 4 standard deviations" in " ".join(result.verdict.sentences)
+    assert "under 4 of its own standard deviations" in " ".join(result.verdict.sentences)
 
 
-def test_rigs_without_overlap_are_flagged_among_others(scene: str):
+def test_rigs_without_overlap_are_untold_among_others(scene: str):
     result = sweep(RigGrid(RIG, baselines_m=(0.2, 7.0, 40.0)), plan(scene))
     agreement = result.rows["agreement"]
     assert agreement[0] == "agrees"
-    assert agreement[1] == "flagged: left and right share nothing"
+    assert agreement[1] == "untold: left and right share nothing"
+    assert agreement[2].startswith("untold: ")
     assert "sees nothing" in agreement[2]  # its left camera stands 20 m aside
+    assert result.verdict.agrees
+    assert "In 2 of 3 rows there is not enough to tell" in " ".join(result.verdict.sentences)
     assert list(result.rows["visible_fraction"][1:]) == [0, 0]
     assert result.limits[1:] == ("no result", "no result")
 

@@ -20,6 +20,8 @@ from rigsim.cli.sensors import Blur, FullWell, ReadNoise, SensorName, sensor_lab
 from rigsim.errors import InvalidRange
 
 if TYPE_CHECKING:
+    from rigsim.rig.perturbation import Perturbation
+    from rigsim.rig.stereo import StereoRig
     from rigsim.study.result import SweepResult
 
 MANY_RIGS = 1000
@@ -49,6 +51,13 @@ def sweep(
     ] = None,
     preset: Annotated[str | None, typer.Option(help="A rig to start from; see `rigsim presets`.")] = None,
     rig: Annotated[Path | None, typer.Option(help="Start from a rig.toml, or another calibration.")] = None,
+    assume: Annotated[
+        Path | None,
+        typer.Option(
+            help="The rig that triangulates, where it is another than the true one of --rig, which projects: "
+            "a rig.toml, or another calibration."
+        ),
+    ] = None,
     sensor_width: Annotated[str | None, typer.Option(help="Active sensor width, for a focal in mm.")] = None,
     pixel_pitch: Annotated[str | None, typer.Option(help="Pixel pitch, um, for a focal in mm.")] = None,
     depth_range: Annotated[
@@ -105,6 +114,7 @@ def sweep(
         range_m = (near_mm / 1e3, far_mm / 1e3)
     options = RigOptions(rig, preset, baseline, focal, hfov, sensor_width, pixel_pitch, resolution, vergence)
     grid = options.grid(scene)
+    assumed, perturbation = _assumed(assume, rig)
     if image_noise is None and sensor is None and full_well is None and sensor_of(rig) is None:
         image_noise = str(TYPICAL_NOISE_GREY)
     sensors = sensors_from(
@@ -151,6 +161,8 @@ def sweep(
         renderer=renderer,
         supersample=supersample,
         measure=measure,
+        assumed=assumed,
+        perturbation=perturbation,
         sensors=dict(zip(sensor_labels(sensors, sensor), sensors, strict=True)),
         extra={"command": shlex.join(["rigsim", *sys.argv[1:]])},
     )
@@ -159,6 +171,25 @@ def sweep(
     _deliver(result, target, force, as_json)
     if not result.complete:
         raise typer.Exit(INTERRUPTED)
+
+
+def _assumed(assume: Path | None, rig: Path | None) -> tuple[StereoRig | None, Perturbation | None]:
+    """The rig that triangulates, or how the built rig differs from --rig's; None where nothing says."""
+    from rigsim.interop.calibration import calibration_perturbation, read_calibration
+
+    perturbation = None if rig is None else calibration_perturbation(rig)
+    if assume is None:
+        return None, perturbation
+    if perturbation is not None:
+        raise InvalidRange(
+            f"--assume {assume}: {rig} has a [perturbation] already, which says the same thing; give one"
+        )
+    if calibration_perturbation(assume) is not None:
+        raise InvalidRange(
+            f"--assume {assume}: its [perturbation] says what the built rig is, and so does --rig; "
+            f"take it out, or give this file by --rig alone"
+        )
+    return read_calibration(assume), None
 
 
 def _deliver(result: SweepResult, target: Path | None, force: bool, as_json: bool) -> None:

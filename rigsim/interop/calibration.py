@@ -20,12 +20,13 @@ from rigsim.interop.middlebury import read_calib
 from rigsim.interop.mjcf import parse_rig_xml
 from rigsim.interop.nerfstudio import parse_transforms
 from rigsim.interop.opencv_yaml import parse_opencv_yaml
+from rigsim.interop.rig_toml import read_perturbation, read_sensor
 from rigsim.interop.rig_toml import read_rig as read_rig_toml
-from rigsim.interop.rig_toml import read_sensor
 from rigsim.interop.ros import FILE_NAMES as ROS_NAMES
 from rigsim.interop.ros import parse_camera_info
 from rigsim.interop.values import read_text
 from rigsim.rig import given
+from rigsim.rig.perturbation import Perturbation
 from rigsim.rig.stereo import StereoRig
 
 if TYPE_CHECKING:
@@ -94,6 +95,16 @@ def calibration_sensor(path: Path) -> Sensor | None:
     """
     path = _found(path)
     return None if path.suffix.lower() in _PARSERS else read_sensor(path)
+
+
+def calibration_perturbation(path: Path) -> Perturbation | None:
+    """How the built rig differs from what `read_calibration` reads; only a rig.toml says something of it.
+
+    Raises:
+        OutputError, InvalidRig: as `rigsim.interop.rig_toml.read_perturbation`.
+    """
+    path = _found(path)
+    return None if path.suffix.lower() in _PARSERS else read_perturbation(path)
 
 
 def disparity_range(path: Path) -> tuple[float, float] | None:

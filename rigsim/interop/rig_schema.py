@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from decimal import Decimal
@@ -13,6 +14,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 from rigsim.errors import InvalidRig
 from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.perturbation import Perturbation
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 
@@ -41,12 +43,26 @@ def sensor_from_table(table: Mapping[str, object]) -> Sensor | None:
     return _both(table)[1]
 
 
+def perturbation_from_table(table: Mapping[str, object]) -> Perturbation | None:
+    """How the built rig differs from the one in the TOML table; None where the table says nothing of it.
+
+    Raises:
+        InvalidRig: as `rig_from_table`, for rig and perturbation alike.
+    """
+    read = _read(table)
+    return None if read.perturbation is None else read.perturbation.perturbation()
+
+
 def _both(table: Mapping[str, object]) -> tuple[StereoRig, Sensor | None]:
+    read = _read(table)
+    return read.rig(), None if read.sensor is None else read.sensor.sensor()
+
+
+def _read(table: Mapping[str, object]) -> _Short | _Full:
     is_full = {"left", "right", "right_from_left"} & set(table)
     form: type[_Short] | type[_Full] = _Full if is_full else _Short
     try:
-        read = form.model_validate(table)
-        return read.rig(), None if read.sensor is None else read.sensor.sensor()
+        return form.model_validate(table)
     except ValidationError as error:
         raise InvalidRig(_explained(error, form)) from None
 
@@ -135,6 +151,28 @@ class _Sensor(_Table):
         return replace(sensor_preset(self.name).sensor(**electrons), **given)
 
 
+class _Perturbation(_Table):
+    """The fields of `rigsim.rig.perturbation.Perturbation`, in the units of files."""
+
+    yaw_deg: _Number = Decimal(0)
+    pitch_deg: _Number = Decimal(0)
+    roll_deg: _Number = Decimal(0)
+    baseline_mm: _Number = Decimal(0)
+    axial_mm: _Number = Decimal(0)
+    vertical_mm: _Number = Decimal(0)
+    right_focal_px: _Number = Decimal(0)
+    right_cx_px: _Number = Decimal(0)
+    right_k1: _Number = Decimal(0)
+    both_k1: _Number = Decimal(0)
+
+    def perturbation(self) -> Perturbation:
+        return Perturbation(
+            *(math.radians(float(angle)) for angle in (self.yaw_deg, self.pitch_deg, self.roll_deg)),
+            *(_metres(length) for length in (self.baseline_mm, self.axial_mm, self.vertical_mm)),
+            *(float(n) for n in (self.right_focal_px, self.right_cx_px, self.right_k1, self.both_k1)),
+        )
+
+
 class _Short(_Table):
     baseline_mm: _Positive
     width_px: _Size
@@ -147,6 +185,7 @@ class _Short(_Table):
     cx_px: _Number | None = None
     cy_px: _Number | None = None
     sensor: _Sensor | None = None
+    perturbation: _Perturbation | None = None
 
     def rig(self) -> StereoRig:
         lens = self._lens()
@@ -215,6 +254,7 @@ class _Full(_Table):
     right: _Camera
     right_from_left: _Pose
     sensor: _Sensor | None = None
+    perturbation: _Perturbation | None = None
 
     def rig(self) -> StereoRig:
         return StereoRig(self.left.intrinsics(), self.right.intrinsics(), self.right_from_left.pose())

@@ -24,6 +24,14 @@ Either form may hold a sensor, for both cameras; what is left out is ideal, or t
     [sensor.distortion]     # optional, keys as in [left.distortion]
     k1 = -0.05
 
+and how the rig that was built differs from the one above, which is then the assumed one; `rigsim sweep`
+projects with the built rig and triangulates with the assumed one::
+
+    [perturbation]
+    yaw_deg = 0.02          # and pitch_deg, roll_deg, baseline_mm, axial_mm, vertical_mm, right_focal_px,
+                            # right_cx_px, right_k1, both_k1: the fields of
+                            # `rigsim.rig.perturbation.Perturbation`
+
 Numbers are read and scaled as decimals, so what was written is read back bit for bit.
 """
 
@@ -37,11 +45,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from rigsim.errors import InvalidRig, OutputError
-from rigsim.interop.rig_schema import LARGEST, rig_from_table, sensor_from_table
+from rigsim.interop.rig_schema import LARGEST, perturbation_from_table, rig_from_table, sensor_from_table
 from rigsim.rig import given
 from rigsim.rig.arrays import Array
 from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.perturbation import Perturbation
 from rigsim.rig.stereo import StereoRig
 
 if TYPE_CHECKING:
@@ -76,6 +85,16 @@ def read_sensor(path: Path) -> Sensor | None:
     return _read(path, parse_sensor)
 
 
+def read_perturbation(path: Path) -> Perturbation | None:
+    """How the built rig differs from the one in the rig file `path`; None where it says nothing of it.
+
+    Raises:
+        OutputError: the file cannot be read.
+        InvalidRig: as `read_rig`.
+    """
+    return _read(path, parse_perturbation)
+
+
 def parse_rig(text: str) -> StereoRig:
     """The rig that the TOML text `text` describes.
 
@@ -92,6 +111,15 @@ def parse_sensor(text: str) -> Sensor | None:
         InvalidRig: as `read_rig`.
     """
     return sensor_from_table(_table(text))
+
+
+def parse_perturbation(text: str) -> Perturbation | None:
+    """The perturbation in the TOML text `text` of a rig; None where it says nothing of one.
+
+    Raises:
+        InvalidRig: as `read_rig`.
+    """
+    return perturbation_from_table(_table(text))
 
 
 def write_rig(rig: StereoRig, comment: str = "", sensor: Sensor | None = None) -> str:

@@ -20,6 +20,7 @@ from rigsim.present.format import plain
 from rigsim.present.measured import blamed, was_measured
 from rigsim.present.strips import mark_beyond, scale_strip, within
 from rigsim.rig.arrays import Array
+from rigsim.study.agreement import kind_of
 
 PANEL_WIDTH = style.PAGE_WIDTH_IN
 """Width of a chart with its legends, in."""
@@ -185,7 +186,7 @@ def _draw_line(
     mark_beyond(strip, x, ratio, color, aside)
     ratio = within(strip, ratio)
     _whiskers(strip, x, ratio, ratio_low, ratio_high, color, marker, aside)
-    flagged = np.array([blamed(reason)[0] for reason in part["agreement"]], dtype=bool)
+    flagged = blamed(part, "simulated")
     style.ring(axes, x[flagged], simulated[flagged], axes.transData)
     style.ring(strip, x[flagged], ratio[flagged], aside)
 
@@ -248,7 +249,7 @@ def _draw_legends(
         marks.append((dashed, "predicted from the\nmeasured noise"))
     if cut.x is DEPTH:
         marks.append((Line2D([], [], color=style.GREY, linestyle=_DOTS, linewidth=1.4), "slope of Z²"))
-    if (every["agreement"] != "agrees").any():
+    if (every["agreement"].map(kind_of) == "flagged").any():
         ring = Line2D(
             [],
             [],

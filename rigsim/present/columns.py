@@ -83,6 +83,7 @@ COLUMNS: dict[str, Column] = {
         _column("measured_depth_abs_p95_mm", "measured p95", "mm"),
         _column("predicted_from_measured_rmse_mm", "predicted from measured", "mm"),
         _column("measured_over_predicted", "measured / predicted", "", fmt.ratio),
+        _column("measured_scale", "measured / claimed", "", fmt.ratio),
         _column("agreement", "agreement", "", str),
     )
 }

@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.text import Text
 
 from rigsim.present.format import count, number, percent, ratio
+from rigsim.study.agreement import kind_of, reason_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -174,7 +175,7 @@ def _sweep_columns(
         )
         for axis in axes
     ]
-    agreement = tuple("agrees" if value == "agrees" else "flagged" for value in best["agreement"])
+    agreement = tuple(map(kind_of, best["agreement"]))
     return [
         *columns,
         _Column("simulated\nRMS, mm", tuple(map(number, best["depth_rmse_mm"])), True, 9),
@@ -213,14 +214,14 @@ def _fitting(columns: list[_Column], width: int) -> list[_Column]:
 
 def _print_flags(result: SweepResult, console: Console, axes: list[Axis]) -> None:
     rows = result.rows
-    flagged = rows[rows["agreement"] != "agrees"]
+    flagged = rows[rows["agreement"].map(kind_of) == "flagged"]
     if not len(flagged):
         return
     say(console, f"Flagged: {count(len(flagged))} of {count(len(rows))}", "bold yellow")
     for record in flagged.head(_MOST_REASONS).to_dict("records"):
         row: dict[Any, Any] = record
         where = ", ".join(f"{axis.heading} {axis.say(row[axis.column])}" for axis in axes)
-        why = str(row["agreement"]).removeprefix("flagged: ")
+        why = reason_of(str(row["agreement"]))
         paragraph(console, f"{where}: {why}" if where else why, "  ")
     if len(flagged) > _MOST_REASONS:
         say(console, f"  and {count(len(flagged) - _MOST_REASONS)} more, listed in the report")

@@ -15,6 +15,7 @@ from rigsim.present.axes import Axis, best_row, swept_axes
 from rigsim.present.format import number, plain
 from rigsim.present.same import at_same_distances
 from rigsim.rig.arrays import Array
+from rigsim.study.agreement import kind_of
 from rigsim.study.result import SweepResult
 
 _MOST_ANNOTATED = 12
@@ -43,7 +44,7 @@ def heat_map_values(result: SweepResult, across: Axis, up: Axis) -> tuple[Array,
     i = [up.values.index(value) for value in rows[up.column]]
     j = [across.values.index(value) for value in rows[across.column]]
     values[i, j] = rows["depth_rmse_mm"].to_numpy(dtype=np.float64)
-    flagged[i, j] = (rows["agreement"] != "agrees").to_numpy()
+    flagged[i, j] = (rows["agreement"].map(kind_of) == "flagged").to_numpy()
     return values, flagged
 
 

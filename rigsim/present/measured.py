@@ -10,7 +10,8 @@ import numpy as np
 import pandas as pd
 
 from rigsim.present.format import count, number
-from rigsim.rig.arrays import Array
+from rigsim.rig.arrays import Array, Mask
+from rigsim.study.agreement import kind_of
 
 METHODS: dict[str, str] = {
     "corners": "board corners",
@@ -58,9 +59,7 @@ def found_words(row: Mapping[Any, Any]) -> str:
     return count(n) + (f", {number(100 * share, 2)} % outliers" if share > 0 else ", no outliers")
 
 
-def blamed(agreement: str) -> tuple[bool, bool]:
-    """Whether the simulation, and whether the measurement is flagged: a reason names what was measured."""
-    if not agreement.startswith("flagged"):
-        return False, False
-    of_measured = "measured" in agreement
-    return not of_measured, of_measured
+def blamed(part: pd.DataFrame, witness: str) -> Mask:
+    """Whether a witness, "simulated" or "measured", is flagged in each row (N,)."""
+    flagged = part["agreement"].map(kind_of) == "flagged"
+    return np.asarray(flagged & (part["agreement_witness"] == witness), dtype=bool)

@@ -20,6 +20,7 @@ from rigsim.present.rig_table import rig_table
 from rigsim.present.same import same_words
 from rigsim.present.topdown import topdown_figure
 from rigsim.present.witness_table import witness_table
+from rigsim.study.agreement import kind_of
 from rigsim.study.comparison import row_of_bins
 from rigsim.study.growth import growth_words
 from rigsim.study.result import SweepResult
@@ -85,7 +86,7 @@ def report_html(result: SweepResult, plan: Figure | None = None) -> str:
         rows=tables.all_rows(result),
         same=same_words(result),
         growth=_growth_words(result),
-        n_flagged=int((result.rows["agreement"] != "agrees").sum()),
+        n_flagged=int((result.rows["agreement"].map(kind_of) == "flagged").sum()),
         measured=was_measured(result.rows),
         method=method_words(best),
         scene=best["scene"],

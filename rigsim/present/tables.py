@@ -15,6 +15,7 @@ from rigsim.present.columns import COLUMNS, Column
 from rigsim.present.format import count, number
 from rigsim.present.measured import was_measured
 from rigsim.present.same import comparison_of
+from rigsim.study.agreement import kind_of
 from rigsim.study.comparison import row_of_bins
 from rigsim.study.result import SweepResult
 
@@ -160,7 +161,7 @@ def _table(columns: Sequence[_Shown], table: pd.DataFrame, best: list[bool], not
                 _interval(record) if column.name == _INTERVAL.name else column.show(record[column.name])
                 for column in columns
             ),
-            record["agreement"] != "agrees",
+            kind_of(record["agreement"]) == "flagged",
             is_best,
         )
         for record, is_best in zip(table.to_dict("records"), best, strict=True)

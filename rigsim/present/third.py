@@ -15,7 +15,7 @@ from rigsim.present import style
 from rigsim.present.axes import Slice
 from rigsim.present.measured import blamed, equivalent_noise_px
 from rigsim.present.strips import mark_beyond, within
-from rigsim.rig.arrays import Array
+from rigsim.rig.arrays import Array, Mask
 
 Dashes: TypeAlias = tuple[float, tuple[float, ...]]
 """A line pattern as matplotlib takes it: where it starts, and lengths on and off."""
@@ -33,7 +33,7 @@ class Series:
     """Measured depth error RMS (N,), mm."""
     predicted_mm: Array
     """What the measurement's own accuracy predicts (N,), mm."""
-    flagged: Array
+    flagged: Mask
     """Whether the measurement is flagged (N,)."""
     lines: tuple[int, ...]
     """Lines of the chart that it belongs to; several when they differ in nothing a picture shows."""
@@ -124,7 +124,7 @@ def _series(part: pd.DataFrame, x: Array, lines: tuple[int, ...]) -> Series:
         np.asarray(part[name], dtype=np.float64)
         for name in ("measured_depth_rmse_mm", "predicted_from_measured_rmse_mm")
     )
-    flagged = np.array([blamed(reason)[1] for reason in part["agreement"]], dtype=bool)
+    flagged = blamed(part, "measured")
     shown = np.isfinite(x) & np.isfinite(measured) & (measured > 0)
     return Series(x[shown], measured[shown], predicted[shown], flagged[shown], lines)
 

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from rigsim.present.format import count, length_mm, number, plain, ratio
-from rigsim.present.measured import blamed, found_words, method_words
+from rigsim.present.measured import found_words, method_words
 from rigsim.present.tables import Row, Table
+from rigsim.study.agreement import kind_of
 from rigsim.study.result import SweepResult
 
 _NONE = "–"
@@ -18,8 +19,6 @@ def witness_table(result: SweepResult) -> Table:
     row: Mapping[Any, Any] = result.rows.iloc[result.showcase.row]
     noise = f"{plain(row['noise_px'])} px, given"
     seen = count(row["n_visible"])
-    simulated_flagged, measured_flagged = blamed(row["agreement"])
-    said = {False: "✓ agrees", True: "⚠ " + row["agreement"]}
     found = row["measured_n"] > 0
     method = method_words(row)
     equivalent = f"{number(row['measured_disparity_std_px'] / 2**0.5, 2)} px, found" if found else _NONE
@@ -53,9 +52,20 @@ def witness_table(result: SweepResult) -> Table:
         (
             "Verdict",
             _NONE,
-            said[simulated_flagged],
-            said[measured_flagged] if found or measured_flagged else "nothing found",
+            _said(row, "simulated"),
+            _said(row, "measured"),
         ),
     )
     headings = (("", ""), ("Predicted", ""), ("Simulated", ""), ("Measured", ""))
     return Table(headings, (False,) * 4, tuple(Row(line) for line in lines))
+
+
+def _said(row: Mapping[Any, Any], witness: str) -> str:
+    """What is said of one witness: the row's reason when it speaks of it."""
+    kind = kind_of(row["agreement"])
+    if kind != "agrees" and row["agreement_witness"] in (witness, ""):
+        return {"flagged": "⚠ ", "untold": "? "}[kind] + str(row["agreement"])
+    if witness == "measured" and not row["measured_n"] > 0:
+        return "nothing found"
+    # a row says the worst of its witnesses: a flagged one leaves the other unsaid
+    return _NONE if kind == "flagged" and witness == "measured" else "✓ agrees"

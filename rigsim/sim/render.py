@@ -173,7 +173,7 @@ def check_size(lens: Intrinsics, supersample: int) -> None:
         finer = f", drawn {supersample} times as fine," if supersample > 1 else ""
         raise RenderUnavailable(
             f"picture {lens.width}x{lens.height} px{finer} is beyond the renderer's limit of "
-            f"{MAX_SIDE_PX} px a side: choose a smaller --resolution"
+            f"{MAX_SIDE_PX} px a side: give a --resolution of at most {MAX_SIDE_PX // supersample} px a side"
         )
 
 

@@ -88,6 +88,11 @@ class Scene:
         """Which geom groups are visible, (6,) uint8: the same for pictures and rays."""
         return np.asarray(self.options.geomgroup, dtype=np.uint8).copy()
 
+    @property
+    def mounts(self) -> list[str]:
+        """Every place with a name that a rig can sit at, as ``site:rig``."""
+        return [f"{kind}:{name}" for kind in ("site", "camera", "body") for name in _names(self.model, kind)]
+
     def place(self, rig: StereoRig, mount_from_rig: Pose | None = None) -> None:
         """Move the two cameras to `rig`, in place: no recompile.
 

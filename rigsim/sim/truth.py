@@ -50,17 +50,15 @@ def sample_truth(
     depth, geom = rays.depth_at(scene, 0, uv)
     kept = np.isfinite(depth)
     if not kept.any():
-        raise NothingSeen(
-            f"scene {scene.name}: the left camera at {scene.mount} sees nothing; turn or move the mount"
-        )
+        raise NothingSeen(f"scene {scene.name}: the left camera at {scene.mount} sees nothing")
     if range_m is None:
         range_m = (0.0, far_limit_m if np.nanmin(depth) <= far_limit_m else math.inf)
+    seen = f"{np.nanmin(depth):.3g} to {np.nanmax(depth):.3g} m"
     kept &= (depth >= range_m[0]) & (depth <= range_m[1])
     if not kept.any():
-        seen = f"{np.nanmin(depth):.3g} to {np.nanmax(depth):.3g} m"
         raise NothingSeen(
             f"scene {scene.name}: nothing between {range_m[0]:g} and {range_m[1]:g} m; "
-            f"the left camera sees {seen}: choose another --range"
+            f"the left camera sees {seen}"
         )
     uv, depth, geom = uv[kept], depth[kept], geom[kept]
     chosen = balanced(depth, n_points)

@@ -107,7 +107,8 @@ def render_frames(
     share, nearest, median = _view(simulator, rig)
     if share == 0:
         raise NothingSeen(
-            f"scene {simulator.scene.name}: the left camera sees nothing; turn or move the mount"
+            f"scene {simulator.scene.name}: the left camera at {simulator.scene.mount} sees nothing; "
+            f"the scene has {', '.join(simulator.scene.mounts)} for --mount"
         )
     reach = MOVE_SHARE * median if move_m is None else move_m
     if not (math.isfinite(reach) and reach >= 0):

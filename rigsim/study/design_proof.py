@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from rigsim.rig.noise import PixelNoise
 from rigsim.study import design_words as words
+from rigsim.study.agreement import kind_of, reason_of
 from rigsim.study.design import Candidate, Design, Specification, solve
 from rigsim.study.design_checks import Check, Sight, check
 from rigsim.theory.inverse import GATES, LOWER
@@ -232,4 +233,4 @@ def _objection(checks: Sequence[Check], agreement: str, plan: Plan) -> str:
                 f"but measures {words.value(asked, held.measured, 3)} in the pictures "
                 f"({held.n_measured} matches), more than the {words.value(asked, asked.limit, 3)} allowed"
             )
-    return agreement.removeprefix("flagged: ") if agreement.startswith("flagged") else ""
+    return reason_of(agreement) if kind_of(agreement) == "flagged" else ""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cache, partial
 
 import numpy as np
 
@@ -20,8 +21,10 @@ from rigsim.study.measured import Measured, measure
 from rigsim.study.pictures import Exposure, expose_pair, without_noise
 from rigsim.study.plan import Plan, triangulator_label
 from rigsim.study.result import Row
-from rigsim.study.rows import Evidence, configuration, depth_rows, empty_row, overall_row
+from rigsim.study.rows import Evidence, configuration, empty_row, rows_of
 from rigsim.study.statistics import ErrorStatistics
+from rigsim.study.sweep_diagnosis import find_fault
+from rigsim.study.sweep_symptoms import Fault
 from rigsim.study.trial import Prediction, predict, run_trials
 from rigsim.theory.reach import reach_m
 
@@ -37,6 +40,8 @@ class Outcome:
     """Rows of sweep.csv."""
     by_depth: list[Row]
     """Rows of sweep_by_depth.csv."""
+    faults: list[Fault | None] = field(default_factory=list)
+    """What is off in each of `rows`; None where nothing is flagged or found."""
     beyond_fraction: float = 0.0
     """Share of the left image that shows surfaces beyond the far limit, which are left out."""
     remarks: tuple[Remark, ...] = ()
@@ -64,11 +69,12 @@ def far_limit_m(rigs: Iterable[StereoRig], noises: Iterable[PixelNoise]) -> floa
 
 def look(simulator: Simulator, rig: StereoRig, plan: Plan) -> Look:
     """Place the rig, sample the truth and draw both views: a rig that sees nothing draws nothing."""
-    simulator.place(rig)
+    true_rig, _ = plan.true_and_assumed(rig)
+    simulator.place(true_rig)
     rng = plan.stream("truth", simulator.scene.name, rig)
     truth = simulator.truth(plan.n_points, rng, plan.range_m, plan.far_limit_m)
     lenses = dict.fromkeys(without_noise(sensor) for sensor in plan.sensors.values())
-    exposures = {lens: expose_pair(simulator, rig, lens, plan.supersample) for lens in lenses}
+    exposures = {lens: expose_pair(simulator, true_rig, lens, plan.supersample) for lens in lenses}
     return Look(exposures, truth)
 
 
@@ -97,15 +103,21 @@ def all_rows(
     coverage_bins = depth_bins(truth.coverage.depth_m, edges_m)
     methods = {triangulator_label(method): method for method in plan.triangulators}
     beyond = truth.coverage.beyond / truth.coverage.n_rays if plan.range_m is None else 0.0
-    outcome = Outcome([], [], beyond)
+    outcome = Outcome([], [], beyond_fraction=beyond)
+    true_rig, assumed_rig = plan.true_and_assumed(rig)
+    uv_left, _ = true_rig.project(truth.points_left)
     for noise in plan.noises:
-        prediction, all_stats = simulate(simulator, rig, truth, noise, plan, bins)
+        predictions, all_stats = simulate(simulator, rig, truth, noise, plan, bins)
         for label, stats in all_stats.items():
+            usable = truth.points_left[truth.visible][~predictions[label].low_disparity]
+            # once for all sensors, and only when a row is flagged
+            diagnose = cache(partial(find_fault, true_rig, assumed_rig, usable, noise, methods[label]))
             for sensor in plan.sensors:
                 head = configuration(simulator.scene.name, rig, noise, label, sensor)
                 evidence = Evidence(
-                    rig=rig,
-                    depth_m=depth_m,
+                    rig=assumed_rig,
+                    points_left=truth.points_left,
+                    uv_left=uv_left,
                     visible=truth.visible,
                     in_right_image=truth.in_right_image,
                     coverage=truth.coverage,
@@ -113,13 +125,16 @@ def all_rows(
                     image_weight=image_weights(bins, coverage_bins, len(edges_m) - 1),
                     bins=bins,
                     edges_m=edges_m,
-                    prediction=prediction,
+                    prediction=predictions[label],
                     stats=stats,
                     measured=measured.get(sensor),
                     triangulator=methods[label],
+                    diagnose=diagnose,
                 )
-                outcome.rows.append(overall_row(head, evidence))
-                outcome.by_depth.extend(depth_rows(head, evidence))
+                row, by_depth, fault = rows_of(head, evidence)
+                outcome.faults.append(fault)
+                outcome.rows.append(row)
+                outcome.by_depth.extend(by_depth)
     return outcome
 
 
@@ -141,7 +156,8 @@ def measure_pictures(simulator: Simulator, rig: StereoRig, plan: Plan, seen: Loo
     for label, sensor in plan.sensors.items():
         rng = plan.stream("picture", simulator.scene.name, rig, repr(sensor))
         pictures = seen.exposures[without_noise(sensor)].pictures(sensor, rng)
-        result[label] = measure(method, simulator, rig, pictures)
+        true_rig, assumed_rig = plan.true_and_assumed(rig)
+        result[label] = measure(method, simulator, true_rig, pictures, assumed_rig)
     return result
 
 
@@ -153,7 +169,8 @@ def _blind(simulator: Simulator, rig: StereoRig, plan: Plan, why: str) -> Outcom
         for method in plan.triangulators
         for sensor in plan.sensors
     )
-    return Outcome([empty_row(head, plan.n_trials, why) for head in heads], [])
+    rows = [empty_row(head, plan.n_trials, why) for head in heads]
+    return Outcome(rows, [], [None] * len(rows))
 
 
 def simulate(
@@ -163,19 +180,24 @@ def simulate(
     noise: PixelNoise,
     plan: Plan,
     bins: Ids,
-) -> tuple[Prediction, dict[str, ErrorStatistics]]:
-    """Prediction for, and simulated errors of, the points that both cameras see."""
+) -> tuple[dict[str, Prediction], dict[str, ErrorStatistics]]:
+    """Predictions for, and simulated errors of, the points that both cameras see, by the triangulator."""
     points_left = truth.points_left[truth.visible]
-    prediction = predict(rig, points_left, noise)
+    true_rig, assumed_rig = plan.true_and_assumed(rig)
+    methods = {triangulator_label(method): method for method in plan.triangulators}
+    predictions = {
+        label: predict(assumed_rig, points_left, noise, method) for label, method in methods.items()
+    }
+    too_far = next(iter(predictions.values())).low_disparity
     stats = run_trials(
-        rig,
-        rig,
+        true_rig,
+        assumed_rig,
         points_left,
         noise,
-        {triangulator_label(method): method for method in plan.triangulators},
-        prediction.whitening,
-        np.where(prediction.low_disparity, -1, bins[truth.visible]).astype(np.int32),
+        methods,
+        predictions,
+        np.where(too_far, -1, bins[truth.visible]).astype(np.int32),
         plan.n_trials,
         plan.stream("noise", simulator.scene.name, rig, repr(noise), plan.n_trials),
     )
-    return prediction, stats
+    return predictions, stats

@@ -19,6 +19,7 @@ from rigsim.measure.patches import match_patches
 from rigsim.rig.arrays import Array, Ids, Mask
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
+from rigsim.study.claims import claim_scale, scale_columns
 from rigsim.study.pictures import Pictures
 from rigsim.study.plan import Triangulator
 from rigsim.study.result import MEASURED_COLUMNS, Row
@@ -33,10 +34,6 @@ _OUTLIER_PX = 3.0  # of disparity
 _DENSE_STRIDE = 4
 # share of Gaussian errors within three standard deviations, as a bound on chi squared of 1 and 4 degrees
 _THREE_SIGMA = {1: 9.0, 4: 16.25}
-_WITHIN = 0.9
-_ENOUGH = 30
-_ASTRAY = 0.2
-_RATIO = (0.25, 1.5)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,17 +65,25 @@ class Measured:
         return np.asarray(self.error_px[:, 0] - self.error_px[:, 2])
 
 
-def measure(method: str, simulator: Simulator, rig: StereoRig, pictures: Pictures) -> Measured:
+def measure(
+    method: str,
+    simulator: Simulator,
+    rig: StereoRig,
+    pictures: Pictures,
+    assumed: StereoRig | None = None,
+) -> Measured:
     """Measure a pair of pictures of the placed rig and join the truth.
 
-    What cannot be measured is a result without rows that says why.
+    The measurement is given the calibration of the `assumed` rig, the placed one's by default; the truth is
+    the placed one's. What cannot be measured is a result without rows that says why.
     """
+    assumed = assumed or rig
     try:
         if method == "corners":
-            return _corners(simulator, rig, pictures)
+            return _corners(simulator, rig, assumed, pictures)
         if method == "patches":
-            return _patches(simulator, rig, pictures)
-        return _dense(simulator, rig, pictures)
+            return _patches(simulator, rig, assumed, pictures)
+        return _dense(simulator, rig, assumed, pictures)
     except (MeasurementFailed, InvalidImage) as error:
         empty = np.empty((0, 4))
         return Measured(
@@ -94,12 +99,12 @@ def measure(method: str, simulator: Simulator, rig: StereoRig, pictures: Picture
         )
 
 
-def _corners(simulator: Simulator, rig: StereoRig, pictures: Pictures) -> Measured:
+def _corners(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures: Pictures) -> Measured:
     truth = simulator.true_corners()
     if len(truth.points_left) == 0:
         raise MeasurementFailed(f"scene {simulator.scene.name} declares no boards: measure patches")
     sizes = sorted({(int(rows), int(cols)) for rows, cols in truth.sizes})
-    found = match_sizes(pictures.left, pictures.right, sizes, rig=rig)
+    found = match_sizes(pictures.left, pictures.right, sizes, rig=assumed)
     valid = found.observations.valid
     uv_left, uv_right = found.observations.uv_left[valid], found.observations.uv_right[valid]
     covariance = np.zeros((len(uv_left), 4, 4))
@@ -123,8 +128,8 @@ def _corners(simulator: Simulator, rig: StereoRig, pictures: Pictures) -> Measur
     )
 
 
-def _patches(simulator: Simulator, rig: StereoRig, pictures: Pictures) -> Measured:
-    found = match_patches(pictures.left, pictures.right, rig)
+def _patches(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures: Pictures) -> Measured:
+    found = match_patches(pictures.left, pictures.right, assumed)
     valid = found.observations.valid
     uv_left = found.observations.uv_left[valid]
     points_left, visible = simulator.points_at(uv_left)
@@ -135,15 +140,15 @@ def _patches(simulator: Simulator, rig: StereoRig, pictures: Pictures) -> Measur
         rig,
         uv_left,
         found.observations.uv_right[valid][counted],
-        _along_epipolar_lines(rig, points_left, found.disparity_std_px[valid][counted]),
+        _along_epipolar_lines(assumed, points_left, found.disparity_std_px[valid][counted]),
         1,
         points_left,
         visible,
     )
 
 
-def _dense(simulator: Simulator, rig: StereoRig, pictures: Pictures) -> Measured:
-    disparity = dense_disparity(pictures.left, pictures.right, rig)
+def _dense(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures: Pictures) -> Measured:
+    disparity = dense_disparity(pictures.left, pictures.right, assumed)
     v, u = (
         part.ravel() for part in np.mgrid[: rig.left.height : _DENSE_STRIDE, : rig.left.width : _DENSE_STRIDE]
     )
@@ -159,7 +164,7 @@ def _dense(simulator: Simulator, rig: StereoRig, pictures: Pictures) -> Measured
     # the matcher claims nothing for itself: take what its inliers scatter by, in a way that ignores tails
     error = joined.disparity_error_px[~joined.outlier]
     std_px = 1.4826 * float(np.median(np.abs(error - np.median(error)))) if len(error) else math.nan
-    covariance = _along_epipolar_lines(rig, points_left, np.full(len(u), std_px))
+    covariance = _along_epipolar_lines(assumed, points_left, np.full(len(u), std_px))
     return _joined("dense", rig, uv_left, uv_right, covariance, 1, points_left, visible)
 
 
@@ -206,60 +211,46 @@ def measured_row(measured: Measured, rig: StereoRig, method: Triangulator, insid
         return row
     points_left = measured.points_left[kept]
     found_left = triangulate(rig, measured.uv_left[kept], measured.uv_right[kept], method)
-    error_m = found_left[:, 2] - points_left[:, 2]
-    error_m = error_m[np.isfinite(error_m)]
-    if len(error_m) == 0:
+    kept[kept] = np.isfinite(found_left[:, 2])
+    if not kept.any():
         return row
+    points_left = measured.points_left[kept]
+    error_m = found_left[np.isfinite(found_left[:, 2]), 2] - points_left[:, 2]
     gain_z = pixel_gain(rig, points_left)[:, 2]
     claimed_m2 = np.einsum("ni,nij,nj->n", gain_z, measured.covariance_px2[kept], gain_z)
     disparity_error_px = measured.disparity_error_px[kept]
+    distance2 = _claimed_distance2(measured, kept)
+    scales = (claim_scale(distance2, measured.degrees), claim_scale(error_m**2 / claimed_m2, 1))
     pixel_error2 = (
         float((measured.error_px[kept] ** 2).mean())
         if measured.degrees == 4
         else float((disparity_error_px**2).mean()) / 2
     )
     rmse_m, predicted_m = math.sqrt(float((error_m**2).mean())), math.sqrt(float(claimed_m2.mean()))
-    return row | {
-        "measured_pixel_rms_px": math.sqrt(pixel_error2),
-        "measured_disparity_std_px": float(disparity_error_px.std()),
-        "measured_depth_bias_mm": float(error_m.mean()) * 1e3,
-        "measured_depth_rmse_mm": rmse_m * 1e3,
-        "measured_depth_abs_p95_mm": float(np.quantile(np.abs(error_m), 0.95)) * 1e3,
-        "predicted_from_measured_rmse_mm": predicted_m * 1e3,
-        "measured_over_predicted": rmse_m / predicted_m if predicted_m > 0 else math.nan,
-        "measured_within_3_sigma": _within_three_sigma(measured, kept),
-    }
+    return (
+        row
+        | {
+            "measured_pixel_rms_px": math.sqrt(pixel_error2),
+            "measured_disparity_std_px": float(disparity_error_px.std()),
+            "measured_depth_bias_mm": float(error_m.mean()) * 1e3,
+            "measured_depth_rmse_mm": rmse_m * 1e3,
+            "measured_depth_abs_p95_mm": float(np.quantile(np.abs(error_m), 0.95)) * 1e3,
+            "predicted_from_measured_rmse_mm": predicted_m * 1e3,
+            "measured_over_predicted": rmse_m / predicted_m if predicted_m > 0 else math.nan,
+            "measured_within_3_sigma": float((distance2 <= _THREE_SIGMA[measured.degrees]).mean()),
+        }
+        | scale_columns(scales)
+    )
 
 
-def _within_three_sigma(measured: Measured, kept: Mask) -> float:
-    """Share of matches whose pixel error is within three of the standard deviations they claim."""
+def _claimed_distance2(measured: Measured, kept: Mask) -> Array:
+    """Squared pixel errors over what the matches claim, (N,): chi-squared of `degrees` when it holds."""
     error, covariance = measured.error_px[kept], measured.covariance_px2[kept]
     if measured.degrees == 4:
-        distance2 = np.einsum("ni,ni->n", error, np.linalg.solve(covariance, error[..., None])[..., 0])
-    else:
-        variance = np.trace(covariance[:, 2:, 2:], axis1=1, axis2=2)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            distance2 = (error[:, 2:] ** 2).sum(axis=1) / variance
-    return float((distance2 <= _THREE_SIGMA[measured.degrees]).mean())
-
-
-def measured_agreement(row: Row, why: str) -> str:
-    """Whether the measurement is as good as it says it is: "agrees", or "flagged: ..."."""
-    if row["measured_method"] == "none":
-        return "agrees"
-    n, astray = int(row["measured_n"]), float(row["measured_outlier_fraction"])
-    if astray > _ASTRAY:
-        return f"flagged: {astray * 100:.2g} % of what was measured is not what both cameras see"
-    if n == 0:
-        return f"flagged: nothing was measured ({why or 'no match of what both cameras see'})"
-    if n < _ENOUGH:
-        return "agrees"
-    within, ratio = float(row["measured_within_3_sigma"]), float(row["measured_over_predicted"])
-    if within < _WITHIN:
-        return f"flagged: only {within * 100:.2g} % of the measured points lie within 3 of their own sigmas"
-    if not _RATIO[0] <= ratio <= _RATIO[1] and row["measured_method"] != "dense":
-        return f"flagged: measured error {ratio:.2g} times what its own accuracy predicts"
-    return "agrees"
+        return np.asarray(np.einsum("ni,ni->n", error, np.linalg.solve(covariance, error[..., None])[..., 0]))
+    variance = np.trace(covariance[:, 2:, 2:], axis1=1, axis2=2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray((error[:, 2:] ** 2).sum(axis=1) / variance)
 
 
 def bins_of(measured: Measured, edges_m: Array) -> Ids:

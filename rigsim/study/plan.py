@@ -11,12 +11,13 @@ from typing import TypeAlias
 
 import numpy as np
 
-from rigsim.errors import InvalidRange
+from rigsim.errors import InvalidRange, InvalidRig
 from rigsim.measure.sensor import Sensor
 from rigsim.rig import given
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.noise import PixelNoise, as_noise
+from rigsim.rig.perturbation import Perturbation
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import SUPERSAMPLE
@@ -194,6 +195,12 @@ class Plan:
     """Samples along each side of a drawn pixel: 1, 2 or 4."""
     far_limit_m: float = math.inf
     """Farthest depth of the truth points without a `range_m`, m; `sweep` finds it."""
+    assumed: StereoRig | None = None
+    """The rig that triangulates, where it is another than the one that is swept, which projects; None for
+    the same."""
+    perturbation: Perturbation | None = None
+    """How each built rig, which projects, differs from the one that is swept, which is assumed and
+    triangulates; excludes `assumed`."""
     extra: dict[str, object] = field(default_factory=dict, compare=False)
     """What the caller wants written into the provenance."""
 
@@ -209,6 +216,10 @@ class Plan:
             raise InvalidRange("a sweep needs at least one noise level, one triangulator and one sensor")
         if self.measure not in MEASURES:
             raise InvalidRange(f"measure {self.measure!r}: choose one of {', '.join(MEASURES)}")
+        if self.assumed is not None and self.perturbation is not None:
+            raise InvalidRange(
+                "an assumed rig and a perturbation both given: they say the same thing, give one"
+            )
         if self.supersample not in SUPERSAMPLES:
             raise InvalidRange(f"supersample {self.supersample}: must be 1, 2 or 4")
         if self.range_m is not None:
@@ -235,6 +246,27 @@ class Plan:
             if len(ends) != 2:
                 raise InvalidRange(f"range {given.shown(self.range_m)}: must be (near, far), m")
             object.__setattr__(self, "range_m", ends)
+
+    def true_and_assumed(self, rig: StereoRig) -> tuple[StereoRig, StereoRig]:
+        """For a rig that is swept, the one that projects and the one that triangulates.
+
+        Raises:
+            InvalidRig: their pictures have other sizes.
+        """
+        if self.perturbation is not None:
+            return self.perturbation.apply(rig), rig
+        if self.assumed is None:
+            return rig, rig
+        for side, true, assumed in (
+            ("left", rig.left, self.assumed.left),
+            ("right", rig.right, self.assumed.right),
+        ):
+            if (true.width, true.height) != (assumed.width, assumed.height):
+                raise InvalidRig(
+                    f"assumed rig: its {side} picture of {assumed.width}x{assumed.height} px must be as "
+                    f"large as the true rig's, {true.width}x{true.height} px: calibrate these pictures"
+                )
+        return rig, self.assumed
 
     def stream(self, purpose: str, scene: str, rig: StereoRig, *more: object) -> np.random.Generator:
         """The random stream of one configuration: it depends on nothing else that is swept."""

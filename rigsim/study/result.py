@@ -13,6 +13,7 @@ from rigsim.rig.arrays import Array, Image, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.sweep_symptoms import Fault
 
 Row: TypeAlias = dict[str, str | float | int]
 """One row of a table before it becomes one."""
@@ -42,6 +43,9 @@ MEASURED_COLUMNS: tuple[str, ...] = (
     "predicted_from_measured_rmse_mm",
     "measured_over_predicted",
     "measured_within_3_sigma",
+    "measured_scale",
+    "measured_scale_ci_low",
+    "measured_scale_ci_high",
 )
 """What the two rendered pictures say: "none", 0 and NaN where nothing was measured. The prediction beside
 it is made from the accuracy that the measurement claims for itself, not from `noise_px`."""
@@ -71,8 +75,11 @@ ROW_COLUMNS: tuple[str, ...] = (
     "nees",
     "depth_rmse_image_mm",
     "predicted_depth_rmse_image_mm",
+    "far_inverse_depth_rmse_per_m",
+    "predicted_far_inverse_depth_rmse_per_m",
     *MEASURED_COLUMNS,
     "agreement",
+    "agreement_witness",
 )
 """Columns of sweep.csv, in order."""
 
@@ -148,5 +155,7 @@ class SweepResult:
     """Depth beyond which truth was left out because no rig reaches it, m; infinite where nothing was."""
     remarks: tuple[Remark, ...] = ()
     """What is odd about the scene or the rigs' place in it, each said once."""
+    faults: tuple[Fault | None, ...] = ()
+    """What is off in each row, in the order of `rows`; None where nothing is flagged or found."""
     complete: bool = True
     """False when the run was interrupted and holds only the rigs done until then."""

@@ -2,28 +2,31 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import ndtr
 
 from rigsim.rig.arrays import Array, Ids, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.points import Coverage
-from rigsim.study.measured import Measured, bins_of, measured_agreement, measured_row, nothing_measured
+from rigsim.study.agreement import Agreement, worst
+from rigsim.study.claims import measured_agreement
+from rigsim.study.measured import Measured, bins_of, measured_row, nothing_measured
 from rigsim.study.plan import Triangulator
 from rigsim.study.result import DEPTH_COLUMNS, ROW_COLUMNS, Row
-from rigsim.study.statistics import ErrorStatistics, ErrorSummary, summarize
+from rigsim.study.simulated import Part, compare, image_parts
+from rigsim.study.statistics import ErrorStatistics, summarize
+from rigsim.study.sweep_diagnosis import UNKNOWN
+from rigsim.study.sweep_symptoms import Fault
 from rigsim.study.trial import Prediction
-from rigsim.theory.uncertainty import LEAST_DEPTH_SIGMAS
 
-AGREEMENT_SIGMAS = 4.0
-"""Standard errors by which prediction and simulation may differ: one false alarm in 16,000 rows."""
-
-_FAILED = (3, 1e-3)  # more failures than this, in number and share, are no accident at 4 sigma
-_EXACT = 1e-9  # relative error that is arithmetic alone
 _DIGITS = 12
+_FAR = ("far_inverse_depth_rmse_per_m", "predicted_far_inverse_depth_rmse_per_m")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,8 +35,10 @@ class Evidence:
 
     rig: StereoRig
     """The rig that is assumed."""
-    depth_m: Array
-    """True depth, m."""
+    points_left: Array
+    """True points, (N, 3), m."""
+    uv_left: Array
+    """Where the left image has them, (N, 2), px."""
     visible: Mask
     """Seen by both cameras."""
     in_right_image: Mask
@@ -56,6 +61,13 @@ class Evidence:
     """What the pictures say; None when nothing was to be measured."""
     triangulator: Triangulator
     """The method under test."""
+    diagnose: Callable[[], Fault | None]
+    """What is off; asked where the row is flagged."""
+
+    @property
+    def depth_m(self) -> Array:
+        """True depth, (N,), m."""
+        return np.asarray(self.points_left[:, 2])
 
 
 def configuration(scene: str, rig: StereoRig, noise: PixelNoise, triangulator: str, sensor: str) -> Row:
@@ -74,15 +86,6 @@ def configuration(scene: str, rig: StereoRig, noise: PixelNoise, triangulator: s
     }
 
 
-def overall_row(head: Row, evidence: Evidence) -> Row:
-    """The row of sweep.csv."""
-    everything = np.ones(len(evidence.depth_m), dtype=bool)
-    body = _body(evidence, everything, slice(0, len(evidence.stats.histogram)))
-    body |= _covered(evidence, everything, np.ones(len(evidence.coverage_bins), dtype=bool))
-    body = _with_measured(body, evidence, None)
-    return {name: (head | body)[name] for name in ROW_COLUMNS}
-
-
 def empty_row(head: Row, n_trials: int, why: str) -> Row:
     """The row of sweep.csv for a rig that has no truth points."""
     row: Row = dict.fromkeys(ROW_COLUMNS, math.nan)
@@ -94,20 +97,43 @@ def empty_row(head: Row, n_trials: int, why: str) -> Row:
         "visible_fraction": 0.0,
         "overlap_fraction": 0.0,
     }
-    return {**row, "agreement": f"flagged: {why}", **head}
+    return row | _written(Agreement("untold", why=why)) | head
 
 
-def depth_rows(head: Row, evidence: Evidence) -> list[Row]:
-    """The rows of sweep_by_depth.csv: one for each bin that holds points."""
-    rows = []
+def rows_of(head: Row, evidence: Evidence) -> tuple[Row, list[Row], Fault | None]:
+    """The row of sweep.csv; those of sweep_by_depth.csv, one for each bin with points; and what is off."""
+    n_bins = len(evidence.edges_m) - 1
+    whole, parts = _agreements(evidence)
+    fault = evidence.diagnose() if whole.kind == "flagged" else None
+    if whole.kind == "flagged":
+        whole = replace(whole, named=fault.says if fault else UNKNOWN)
+    everything = np.ones(len(evidence.bins), dtype=bool)
+    body = _body(evidence, everything, slice(0, n_bins))
+    body |= _covered(evidence, everything, np.ones(len(evidence.coverage_bins), dtype=bool))
+    row = _joined(body, evidence, None, whole)
+    overall = {name: (head | row)[name] for name in ROW_COLUMNS}
+    by_depth = []
     for i, (near, far) in enumerate(zip(evidence.edges_m[:-1], evidence.edges_m[1:], strict=True)):
         inside = evidence.bins == i
         if inside.any():
-            body = _with_measured(_body(evidence, inside, slice(i, i + 1)), evidence, i)
+            body = _body(evidence, inside, slice(i, i + 1))
             body |= _covered(evidence, inside, evidence.coverage_bins == i)
-            body |= {"depth_near_mm": _clean(near * 1e3), "depth_far_mm": _clean(far * 1e3)}
-            rows.append({name: (head | body)[name] for name in DEPTH_COLUMNS})
-    return rows
+            row = _joined(body, evidence, i, parts[i])
+            row |= {"depth_near_mm": _clean(near * 1e3), "depth_far_mm": _clean(far * 1e3)}
+            by_depth.append({name: (head | row)[name] for name in DEPTH_COLUMNS})
+    return overall, by_depth, fault
+
+
+def _agreements(evidence: Evidence) -> tuple[Agreement, list[Agreement]]:
+    """Whether the simulation agrees with the prediction: over all, and in each depth bin."""
+    visible, edges_m = evidence.visible, evidence.edges_m
+    bins = [
+        Part(f"at {near:.3g} to {far:.3g} m", evidence.bins[visible] == i)
+        for i, (near, far) in enumerate(itertools.pairwise(edges_m))
+    ]
+    left = evidence.rig.left
+    regions = image_parts(evidence.uv_left[visible], left.width, left.height)
+    return compare(evidence.prediction, evidence.stats, bins, regions)
 
 
 def _body(evidence: Evidence, inside: Mask, groups: slice) -> Row:
@@ -131,7 +157,7 @@ def _body(evidence: Evidence, inside: Mask, groups: slice) -> Row:
     summary = summarize(evidence.stats, depth_m, kept, groups) if kept.any() else None
     if summary is None:
         nothing = dict.fromkeys(ROW_COLUMNS[ROW_COLUMNS.index("depth_median_mm") :], math.nan)
-        return {**row, **nothing, "agreement": _why_nothing(tried, low[visible_inside])}
+        return row | nothing | _far(evidence, visible_inside & low)
     predicted_m = _rms(evidence.prediction.depth_rmse_m[kept])
     image_m, predicted_image_m = (
         _weighted_rms(each[kept], weight[kept])
@@ -140,6 +166,7 @@ def _body(evidence: Evidence, inside: Mask, groups: slice) -> Row:
     median_m = float(np.median(depth_m[kept]))
     return {
         **row,
+        **_far(evidence, visible_inside & low),
         "depth_median_mm": median_m * 1e3,
         "depth_bias_mm": summary.bias_m * 1e3,
         "depth_rmse_mm": summary.rmse_m * 1e3,
@@ -151,10 +178,9 @@ def _body(evidence: Evidence, inside: Mask, groups: slice) -> Row:
         "point_rmse_mm": summary.point_rmse_m * 1e3,
         "predicted_depth_rmse_mm": predicted_m * 1e3,
         "predicted_over_simulated": predicted_m / summary.rmse_m if predicted_m > 0 else math.nan,
-        "nees": summary.nees,
+        "nees": summary.nees if predicted_m > 0 else math.nan,
         "depth_rmse_image_mm": image_m * 1e3,
         "predicted_depth_rmse_image_mm": predicted_image_m * 1e3,
-        "agreement": _agreement(evidence, kept, summary, median_m),
     }
 
 
@@ -174,53 +200,43 @@ def _covered(evidence: Evidence, points: Mask, rays: Mask) -> Row:
     }
 
 
-def _with_measured(body: Row, evidence: Evidence, depth_bin: int | None) -> Row:
-    """The row with what the pictures say of one depth bin, or of all; flagged if they object."""
+def _far(evidence: Evidence, far: Mask) -> Row:
+    """The error of 1/Z of the points that are too far for an RMS of depth; nothing where there are none.
+
+    Trials beyond infinity fail. What is left of a Gaussian cut off at -s standard deviations has a mean
+    square of ``1 - s phi(s) / Phi(s)``.
+    """
+    count = evidence.stats.count[far]
+    n = float(count.sum())
+    if n == 0:
+        return dict.fromkeys(_FAR, math.nan)
+    std_per_m = np.sqrt(evidence.prediction.view_covariance[far, 0, 0])
+    s = evidence.prediction.depth_sigmas[far]
+    kept = ndtr(s)
+    square = std_per_m**2 * (1 - s * np.exp(-(s**2) / 2) / math.sqrt(2 * math.pi) / kept)
+    found = evidence.stats.sum_depth_w2[far] * std_per_m**2
+    expected = float((square * kept).sum() / kept.sum())
+    return dict(zip(_FAR, (math.sqrt(float(found.sum()) / n), math.sqrt(expected)), strict=True))
+
+
+def _joined(body: Row, evidence: Evidence, depth_bin: int | None, simulated: Agreement) -> Row:
+    """The row with what the pictures say of one depth bin, or of all, and the agreement of all witnesses."""
     measured = evidence.measured
     if measured is None:
-        return {**body, **nothing_measured()}
+        return body | nothing_measured() | _written(simulated)
     bins = bins_of(measured, evidence.edges_m)
     # a match of nothing has no depth: it counts as an outlier of the whole
     inside = bins == depth_bin if depth_bin is not None else (bins >= 0) | measured.outlier
-    row = {**body, **measured_row(measured, evidence.rig, evidence.triangulator, inside)}
-    if row["agreement"] == "agrees" and (depth_bin is None or row["measured_n"]):
-        row["agreement"] = measured_agreement(row, measured.why)
-    return row
+    row = measured_row(measured, evidence.rig, evidence.triangulator, inside)
+    found = [simulated]
+    if depth_bin is None or row["measured_n"]:
+        found.append(measured_agreement(row, int(inside.sum()), measured.why))
+    return body | row | _written(worst(found))
 
 
-def _agreement(evidence: Evidence, kept: Mask, summary: ErrorSummary, median_m: float) -> str:
-    """Whether prediction and simulation differ by more than noise, truncation and arithmetic explain.
-
-    The simulation's scatter is taken from the errors themselves, but between one and three times what
-    was predicted: a triangulator that errs wildly must not be excused by its own scatter.
-    """
-    prediction, n_trials = evidence.prediction, evidence.stats.n_trials
-    tried = int(kept.sum()) * n_trials
-    failed = tried - summary.n
-    if failed > _FAILED[0] and failed > _FAILED[1] * tried:
-        return f"flagged: {failed / tried * 100:.2g} % of the triangulations failed"
-    predicted_m = _rms(prediction.depth_rmse_m[kept])
-    slack_m2 = _rms((prediction.depth_rmse_m + prediction.truncation_m)[kept]) ** 2 - predicted_m**2
-    expected_se_m2 = math.sqrt(float((prediction.square_std_m2[kept] ** 2).sum()) * n_trials) / tried
-    se_m2 = min(max(summary.mean_square_se_m2, expected_se_m2), 3 * expected_se_m2)
-    difference_m2 = summary.rmse_m**2 - predicted_m**2
-    if abs(difference_m2) <= AGREEMENT_SIGMAS * se_m2 + slack_m2 + (_EXACT * median_m) ** 2:
-        return "agrees"
-    if predicted_m == 0:
-        return f"flagged: simulated error {summary.rmse_m * 1e3:.3g} mm where none is predicted"
-    ratio = summary.rmse_m / predicted_m
-    if ratio >= 2:
-        return f"flagged: simulated error {ratio:.3g} times the prediction"
-    side = "above" if ratio > 1 else "below"
-    return f"flagged: simulated error {abs(ratio - 1) * 100:.2g} % {side} the prediction"
-
-
-def _why_nothing(tried: int, low: Mask) -> str:
-    if not tried:
-        return "flagged: left and right share nothing"
-    if low.all():
-        return f"flagged: every depth is below {LEAST_DEPTH_SIGMAS:g} of its standard deviations"
-    return "flagged: every triangulation failed"
+def _written(agreement: Agreement) -> Row:
+    witness = "" if agreement.kind == "agrees" else agreement.witness
+    return {"agreement": agreement.text, "agreement_witness": witness}
 
 
 def _rms(values: Array) -> float:

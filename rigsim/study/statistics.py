@@ -12,6 +12,9 @@ from rigsim.rig.arrays import Array, Ids, Mask
 CI_SIGMAS = 1.959964
 """Half width of a 95 % confidence interval, in standard errors."""
 
+NEAREST_TO_INFINITY = 1.0
+"""A trial whose 1/Z is below this many of its standard deviations is at infinity, for all it tells."""
+
 _BINS = 20_000
 _LOG_LOW, _LOG_HIGH = math.log(1e-10), math.log(1e5)
 _SCALE = _BINS / (_LOG_HIGH - _LOG_LOW)
@@ -27,45 +30,60 @@ class ErrorStatistics:
     def __init__(self, n_points: int, groups: Ids, n_groups: int) -> None:
         """`groups` (N,) puts each point into one of `n_groups`; negative leaves it out of the histogram."""
         self.count = np.zeros(n_points)
+        self.n_finite = np.zeros(n_points)
         self.n_trials = 0
         self.sum_e = np.zeros(n_points)
         self.sum_e2 = np.zeros(n_points)
         self.sum_e4 = np.zeros(n_points)
         self.sum_d2 = np.zeros(n_points)
+        self.sum_view = np.zeros((3, n_points))
+        self.sum_depth_w2 = np.zeros(n_points)
         self.sum_nees = np.zeros(n_points)
         self.histogram = np.zeros((n_groups, _BINS), dtype=np.int64)
         # points left out fall into a group past the end
         self._offset = np.where(groups < 0, n_groups, groups).astype(np.int64) * _BINS
 
-    def add(self, error_left: Array, whitening: Array) -> None:
+    def add(self, error_left: Array, error_view: Array, whitening: Array, depth_sigmas: Array) -> None:
         """Take in a block of trials.
+
+        A trial whose ``1/Z`` lies within one standard deviation of infinity counts, but not in the sums
+        of metric errors: these would have no expectation.
 
         Args:
             error_left: triangulated minus true points, (T, N, 3), m; NaN where it failed.
-            whitening: (6, N), 1/m: the lower triangle of W with ``W^T W`` = inverse predicted
-                covariance, rows 00 10 11 20 21 22.
+            error_view: the same as ``(1/Z, X/Z, Y/Z)``, (T, N, 3); see `rigsim.study.views`.
+            whitening: (6, N): the lower triangle of W with ``W^T W`` = inverse predicted covariance of
+                `error_view`, rows 00 10 11 20 21 22.
+            depth_sigmas: ``Z / sigma_Z`` (N,).
         """
-        x, y, z = (np.ascontiguousarray(error_left[..., i]) for i in range(3))
-        good = np.isfinite(z)
-        self.n_trials += len(z)
-        if good.all():
-            self.count += len(z)
-        else:
-            self.count += good.sum(axis=0)
-            x, y, z = (np.where(good, part, 0.0) for part in (x, y, z))
+        good = np.isfinite(error_left[..., 2])
+        whole = bool(good.all())
+        self.n_trials += len(good)
+        self.count += good.sum(axis=0)
+        q0, q1, q2 = (_without(error_view[..., i], good, whole) for i in range(3))
+        self.sum_view += np.stack([q.sum(axis=0) for q in (q0, q1, q2)])
+        w00, w10, w11, w20, w21, w22 = whitening
+        w0 = w00 * q0
+        depth_w2 = np.einsum("tn,tn->n", w0, w0)
+        self.sum_depth_w2 += depth_w2
+        self.sum_nees += depth_w2
+        w = w10 * q0 + w11 * q1
+        self.sum_nees += np.einsum("tn,tn->n", w, w)
+        w = w20 * q0 + w21 * q1 + w22 * q2
+        self.sum_nees += np.einsum("tn,tn->n", w, w)
+        self._add_metric(error_left, good, good & ~(w0 <= NEAREST_TO_INFINITY - depth_sigmas))
+
+    def _add_metric(self, error_left: Array, good: Mask, finite: Mask) -> None:
+        whole = bool(finite.all())
+        self.n_finite += finite.sum(axis=0)
+        x, y, z = (_without(error_left[..., i], finite, whole) for i in range(3))
         z2 = z * z
         self.sum_e += z.sum(axis=0)
         self.sum_e2 += z2.sum(axis=0)
         self.sum_e4 += np.einsum("tn,tn->n", z2, z2)
         self.sum_d2 += z2.sum(axis=0) + np.einsum("tn,tn->n", x, x) + np.einsum("tn,tn->n", y, y)
-        w00, w10, w11, w20, w21, w22 = whitening
-        a = w00 * x
-        self.sum_nees += np.einsum("tn,tn->n", a, a)
-        a = w10 * x + w11 * y
-        self.sum_nees += np.einsum("tn,tn->n", a, a)
-        a = w20 * x + w21 * y + w22 * z
-        self.sum_nees += np.einsum("tn,tn->n", a, a)
-        self._add_to_histogram(z2, good)
+        # quantiles take the trials at infinity as they come
+        self._add_to_histogram(z2 if whole else _without(error_left[..., 2], good, False) ** 2, good)
 
     def _add_to_histogram(self, squared: Array, good: Mask) -> None:
         with np.errstate(divide="ignore"):
@@ -83,7 +101,12 @@ class ErrorStatistics:
     def depth_rmse_m(self) -> Array:
         """RMS depth error of each point over its trials, (N,), m; NaN where none succeeded."""
         with np.errstate(invalid="ignore", divide="ignore"):
-            return np.asarray(np.sqrt(self.sum_e2 / self.count))
+            return np.asarray(np.sqrt(self.sum_e2 / self.n_finite))
+
+
+def _without(values: Array, kept: Mask, whole: bool) -> Array:
+    """Contiguous values with 0 where they are not kept."""
+    return np.ascontiguousarray(values) if whole else np.where(kept, values, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +114,7 @@ class ErrorSummary:
     """Errors of some points over all trials."""
 
     n: int
-    """Triangulations that succeeded."""
+    """Triangulations that succeeded and are not at infinity."""
     bias_m: float
     """Mean depth error, m."""
     rmse_m: float
@@ -107,7 +130,7 @@ class ErrorSummary:
     point_rmse_m: float
     """RMS distance between triangulated and true point, m."""
     nees: float
-    """Mean normalised squared error; 3 when the predicted covariance is right."""
+    """Mean normalised squared error of (1/Z, X/Z, Y/Z); 3 when the predicted covariance is right."""
     abs_p50_m: float
     """Median absolute depth error, m."""
     abs_p95_m: float
@@ -116,8 +139,7 @@ class ErrorSummary:
 
 def summarize(stats: ErrorStatistics, depth_m: Array, kept: Mask, groups: slice) -> ErrorSummary | None:
     """Pool the points in `kept` (N,), whose histogram groups are `groups`; None when nothing succeeded."""
-    count = stats.count[kept]
-    n = int(count.sum())
+    n = int(stats.n_finite[kept].sum())
     if n == 0:
         return None
     mean_square = float(stats.sum_e2[kept].sum() / n)
@@ -132,7 +154,7 @@ def summarize(stats: ErrorStatistics, depth_m: Array, kept: Mask, groups: slice)
         ci_high_m=math.sqrt(mean_square + CI_SIGMAS * se),
         relative_rmse=math.sqrt(float((stats.sum_e2[kept] / depth_m[kept] ** 2).sum() / n)),
         point_rmse_m=math.sqrt(float(stats.sum_d2[kept].sum() / n)),
-        nees=float(stats.sum_nees[kept].sum() / n),
+        nees=float(stats.sum_nees[kept].sum() / stats.count[kept].sum()),
         abs_p50_m=_quantile(histogram, 0.50),
         abs_p95_m=_quantile(histogram, 0.95),
     )
@@ -140,7 +162,7 @@ def summarize(stats: ErrorStatistics, depth_m: Array, kept: Mask, groups: slice)
 
 def _mean_square_se(stats: ErrorStatistics, kept: Mask, n: int) -> float:
     """Standard error of the pooled mean of e^2 for these very points: only the noise is random."""
-    count = stats.count[kept]
+    count = stats.n_finite[kept]
     repeated = count >= 2
     e2, e4 = stats.sum_e2[kept], stats.sum_e4[kept]
     # a point seen once says nothing of its own spread: take E[e^4], which is not less than the variance

@@ -15,13 +15,16 @@ from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
 from rigsim.study import verdict as words
+from rigsim.study.agreement import reason_of
 from rigsim.study.choice import rank
 from rigsim.study.executor import run_all
 from rigsim.study.geometry import Look, far_limit_m, look, simulate
 from rigsim.study.pictures import without_noise
 from rigsim.study.plan import Plan, RigGrid, triangulator_label
 from rigsim.study.provenance import simulator_provenance
-from rigsim.study.result import AXES, DEPTH_COLUMNS, ROW_COLUMNS, Row, Showcase, SweepResult
+from rigsim.study.result import AXES, DEPTH_COLUMNS, ROW_COLUMNS, Row, Showcase, SweepResult, Verdict
+from rigsim.study.sweep_advice import advise
+from rigsim.study.sweep_symptoms import Fault
 from rigsim.theory.triangulation import resolve
 
 
@@ -55,11 +58,19 @@ def sweep(
     todo = rigs if isinstance(rigs, RigGrid) else _rigs(rigs)
     if len(todo) == 0:
         raise InvalidRange("no rig to sweep: give at least one")
+    if plan.assumed is not None and len(todo) > 1:
+        raise InvalidRange(
+            f"{len(todo)} rigs and one that is assumed: it goes with one true rig; "
+            "a perturbation goes with every rig"
+        )
+    if len(todo) == 1:
+        plan.true_and_assumed(next(iter(todo)))  # fail before anything is drawn
     if plan.range_m is None:
         plan = replace(plan, far_limit_m=far_limit_m(todo, plan.noises))
     beyond_fraction = 0.0
     rows: list[Row] = []
     by_depth: list[Row] = []
+    faults: list[Fault | None] = []
     done: list[StereoRig] = []
     remarks: dict[str, Remark] = {}
     with Simulator(plan.scene, plan.mount, plan.renderer) as simulator:
@@ -71,6 +82,7 @@ def sweep(
                 by_depth.extend(outcome.by_depth)
                 beyond_fraction = max(beyond_fraction, outcome.beyond_fraction)
                 remarks = {remark.code: remark for remark in outcome.remarks} | remarks
+                faults.extend(outcome.faults)
                 done.append(rig)
                 if progress:
                     progress(len(done))
@@ -80,7 +92,9 @@ def sweep(
                 raise
             complete = False
         lens_note = rigs.lens_note if isinstance(rigs, RigGrid) else ""
-        result = _conclude(rows, by_depth, done, plan, simulator, lens_note, complete, beyond_fraction)
+        result = _conclude(
+            rows, by_depth, faults, done, plan, simulator, lens_note, complete, beyond_fraction
+        )
         return replace(result, remarks=tuple(remarks.values()))
 
 
@@ -92,6 +106,7 @@ def _rigs(rigs: object) -> list[StereoRig]:
 def _conclude(
     rows: list[Row],
     by_depth: list[Row],
+    faults: list[Fault | None],
     rigs: list[StereoRig],
     plan: Plan,
     simulator: Simulator,
@@ -103,12 +118,10 @@ def _conclude(
     depth_table = pd.DataFrame(by_depth, columns=list(DEPTH_COLUMNS))
     order = rank(table, depth_table)
     if not order:
-        reasons = dict.fromkeys(str(reason).removeprefix("flagged: ") for reason in table["agreement"])
-        if len(reasons) == 1 and next(iter(reasons)).startswith("scene "):
-            raise InvalidScene(next(iter(reasons)))
+        where = f"scene {simulator.scene.name}: "
+        reasons = dict.fromkeys(reason_of(str(text)).removeprefix(where) for text in table["agreement"])
         raise InvalidScene(
-            f"scene {simulator.scene.name}: no rig has a result ({'; '.join(list(reasons)[:3])}): "
-            "choose a smaller --baseline, another --range or another --mount"
+            f"{where}no rig has a result ({'; '.join(list(reasons)[:3])}): {advise(simulator, rigs, plan)}"
         )
     far_words = words.far_limit_words(plan.far_limit_m, beyond_fraction)
     swept = words.swept_axes(table, ("baseline_mm", "hfov_deg", "width_px") if lens_note else AXES)
@@ -121,7 +134,9 @@ def _conclude(
         limits=words.limits(table),
         lens_note=lens_note,
         showcase=_showcase(simulator, rigs[order[0] // per_rig], order[0], plan),
-        verdict=words.judge(table, depth_table, swept, order, lens_note, complete, far_words),
+        verdict=_with_rigs(
+            words.judge(table, depth_table, swept, order, lens_note, complete, far_words), plan
+        ),
         provenance={
             **simulator_provenance(simulator),
             "seed": plan.seed,
@@ -131,7 +146,19 @@ def _conclude(
         },
         far_limit_m=plan.far_limit_m if far_words else math.inf,
         complete=complete,
+        faults=tuple(faults),
     )
+
+
+def _with_rigs(verdict: Verdict, plan: Plan) -> Verdict:
+    """The verdict, with a word of it when the true rig is not the assumed one."""
+    if plan.assumed is None and plan.perturbation is None:
+        return verdict
+    said = (
+        "Pixels and pictures are the true rig's; depths are triangulated, predicted and measured with the "
+        "assumed one."
+    )
+    return replace(verdict, sentences=(*verdict.sentences, said))
 
 
 def _showcase(simulator: Simulator, rig: StereoRig, row: int, plan: Plan) -> Showcase:

@@ -14,16 +14,22 @@ from rigsim.rig.arrays import Array, Ids, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.plan import Triangulator
-from rigsim.study.statistics import ErrorStatistics
+from rigsim.study.statistics import NEAREST_TO_INFINITY, ErrorStatistics
+from rigsim.study.views import expand_views, predict_views, views
+from rigsim.theory.blocks import blocks
 from rigsim.theory.triangulation import triangulate
 from rigsim.theory.uncertainty import (
     LEAST_DEPTH_SIGMAS,
     depth_in_sigmas,
-    predict_covariance,
-    predict_depth_rmse,
 )
 
+KNOWN_SHORT = ("dlt", "midpoint")
+"""Triangulators that do not reach the maximum-likelihood one, and are biased, by their nature."""
+
 _BLOCK = 1 << 16
+_NODES = 40
+_WIDEST = 9.0  # standard deviations: nothing of double precision lies beyond
+_ROWS = 8192
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,34 +37,65 @@ class Prediction:
     """What should happen to each point, (N,)."""
 
     depth_rmse_m: Array
-    """Second-order prediction of the RMS depth error, m."""
-    truncation_m: Array
-    """First neglected term, m: how far the prediction itself may be off."""
-    square_std_m2: Array
-    """Standard deviation of the squared depth error, m^2: how far a simulation may scatter."""
+    """RMS depth error, m, of the trials that are not at infinity; see `ErrorStatistics.add`."""
+    view_bias: Array
+    """Mean error of (1/Z, X/Z, Y/Z), (N, 3), to second order; see `rigsim.study.views`."""
+    view_covariance: Array
+    """Covariance of that error in one trial, (N, 3, 3)."""
     whitening: Array
-    """(6, N), 1/m; see `ErrorStatistics.add`."""
+    """(6, N); see `ErrorStatistics.add`. Without noise: for noise of one pixel."""
+    depth_sigmas: Array
+    """Depth over its own standard deviation."""
+    rounding: float
+    """Share of the noise variance that is rounding and repeats in every trial, 0 to 1."""
     low_disparity: Mask
     """Whether the depth is below `LEAST_DEPTH_SIGMAS` of its own standard deviations."""
 
 
-def predict(rig: StereoRig, points_left: Array, noise: PixelNoise) -> Prediction:
+def predict(
+    rig: StereoRig, points_left: Array, noise: PixelNoise, method: Triangulator = "optimal"
+) -> Prediction:
     """Predict the errors of points (N, 3) m seen through `noise`.
 
-    With ``a = var(Z) / Z^2``, the fourth moment of ``1 / (1 + x) - 1`` for Gaussian x of variance a is
-    ``3 a^2 (1 + 50 a + 1225 a^2 + ...)``.
+    Every triangulator is held to the maximum-likelihood one, but those of textbooks that are known to
+    fall short of it (`KNOWN_SHORT`): bias and covariance of their error are their own.
     """
-    rmse_m, truncation_m = predict_depth_rmse(rig, points_left, noise)
-    covariance_m2 = predict_covariance(rig, points_left, noise)
-    variance_m2 = covariance_m2[:, 2, 2]
-    a = variance_m2 / points_left[:, 2] ** 2
+    sigmas = depth_in_sigmas(rig, points_left, noise)
+    variance_px2 = noise.coordinate_var_px2
+    if isinstance(method, str) and method in KNOWN_SHORT and variance_px2 > 0:
+        view_bias, view_covariance = expand_views(rig, points_left, noise, method)
+    else:
+        view_bias, view_covariance = predict_views(rig, points_left, noise)
+    yardstick = view_covariance
+    if variance_px2 == 0:
+        _, yardstick = predict_views(rig, points_left, PixelNoise(1.0))
     return Prediction(
-        depth_rmse_m=rmse_m,
-        truncation_m=truncation_m,
-        square_std_m2=variance_m2 * np.sqrt(3 * (1 + 50 * a + 1225 * a * a) - 1),
-        whitening=_whitening(covariance_m2),
-        low_disparity=depth_in_sigmas(rig, points_left, noise) < LEAST_DEPTH_SIGMAS,
+        depth_rmse_m=_depth_rmse_m(points_left[:, 2], sigmas),
+        view_bias=view_bias,
+        view_covariance=view_covariance,
+        whitening=_whitening(yardstick),
+        depth_sigmas=sigmas,
+        rounding=noise.quantization_px**2 / 12 / variance_px2 if variance_px2 else 0.0,
+        low_disparity=sigmas < LEAST_DEPTH_SIGMAS,
     )
+
+
+def _depth_rmse_m(depth_m: Array, sigmas: Array) -> Array:
+    """RMS depth error (N,) m when ``1/Z`` is Gaussian, over the trials that are not at infinity.
+
+    With s = Z / sigma_Z and a standard Gaussian g, ``Z' = Z / (1 + g / s)``, kept where ``s + g >= 1``:
+    the mean square by Gauss-Legendre quadrature. To second order ``sigma_Z^2 (1 + 9 / s^2)``.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    rmse_m = np.zeros(len(depth_m))
+    for block in blocks(len(depth_m), _ROWS):
+        s = sigmas[block, None]
+        low = np.clip(NEAREST_TO_INFINITY - s, -_WIDEST, _WIDEST - 1)
+        g = low + (_WIDEST - low) / 2 * (1 + nodes)
+        mass = weights * np.exp(-(g**2) / 2)
+        mean_square = (mass * (g / (1 + g / s)) ** 2).sum(axis=1) / mass.sum(axis=1)
+        rmse_m[block] = depth_m[block] / sigmas[block] * np.sqrt(mean_square)
+    return rmse_m
 
 
 def run_trials(
@@ -67,20 +104,22 @@ def run_trials(
     points_left: Array,
     noise: PixelNoise,
     triangulators: Mapping[str, Triangulator],
-    whitening: Array,
+    predictions: Mapping[str, Prediction],
     groups: Ids,
     n_trials: int,
     rng: np.random.Generator,
 ) -> dict[str, ErrorStatistics]:
     """Project, add noise, triangulate and compare, `n_trials` times for each point (N, 3) m.
 
-    Every triangulator gets the same noisy pixels. `groups` (N,) sorts the points for the histogram.
+    Every triangulator, by its label, gets the same noisy pixels, and is held to its prediction. `groups` (N,)
+    sorts the points for the histogram.
     Memory stays bounded whatever `n_trials` is.
     """
     n = len(points_left)
     n_groups = int(groups.max(initial=-1)) + 1
     result = {label: ErrorStatistics(n, groups, n_groups) for label in triangulators}
     uv_left, uv_right = true_rig.project(points_left)
+    true_views = views(points_left)
     for size in _blocks(n_trials, n):
         noisy_left, noisy_right = noise.apply(
             np.broadcast_to(uv_left, (size, n, 2)), np.broadcast_to(uv_right, (size, n, 2)), rng
@@ -88,7 +127,13 @@ def run_trials(
         flat_left, flat_right = noisy_left.reshape(-1, 2), noisy_right.reshape(-1, 2)
         for label, method in triangulators.items():
             found_left = triangulate(assumed_rig, flat_left, flat_right, method)
-            result[label].add(found_left.reshape(size, n, 3) - points_left, whitening)
+            found_left = found_left.reshape(size, n, 3)
+            with np.errstate(all="ignore"):
+                error_view = views(found_left) - true_views
+            predicted = predictions[label]
+            result[label].add(
+                found_left - points_left, error_view, predicted.whitening, predicted.depth_sigmas
+            )
     return result
 
 

@@ -6,11 +6,13 @@ import math
 
 import pandas as pd
 
+from rigsim.study.agreement import kind_of, reason_of
 from rigsim.study.choice import choice, trend
 from rigsim.study.comparison import WELL_COVERED, compare, row_of_bins
 from rigsim.study.growth import growth_words
 from rigsim.study.phrases import describe, mm, percent
 from rigsim.study.result import AXES, Verdict
+from rigsim.theory.uncertainty import LEAST_DEPTH_SIGMAS
 
 _LOW_DISPARITY = 0.05
 _FAILED = 0.01
@@ -73,7 +75,6 @@ def judge(
         complete: whether every rig was done.
         far_limit: what was left out for being too far, as `far_limit_words` says it.
     """
-    flagged = rows["agreement"] != "agrees"
     best = order[0]
     row = rows.loc[best]
     bins = _bins(best, rows, by_depth)
@@ -83,7 +84,7 @@ def judge(
         *choice(rows, compare(rows, by_depth), swept, order),
         *trend(rows, by_depth, swept, best),
         *_measured(row),
-        _agreement(rows, flagged),
+        *_agreement(rows),
         *_coverage(rows, swept),
         *_low_disparity(row),
     ]
@@ -93,6 +94,7 @@ def judge(
         sentences.append(lens_note)
     if not complete:
         sentences.insert(0, "The run was interrupted: only the rigs done until then are shown.")
+    flagged = rows["agreement"].map(kind_of) == "flagged"
     return Verdict(_headline(row, bins), tuple(sentences), not bool(flagged.any()))
 
 
@@ -108,7 +110,14 @@ def far_limit_words(limit_m: float, beyond_fraction: float) -> str:
 
 def _headline(row: pd.Series, bins: pd.DataFrame) -> str:
     middle = bins[bins["depth_far_mm"] >= row["depth_median_mm"]].iloc[0]
-    ending = "and in agreement" if row["agreement"] == "agrees" else f"and {row['agreement']}"
+    ending = {
+        "agrees": "and in agreement",
+        "flagged": f"and {row['agreement']}",
+        # what is untold of the pictures leaves the simulation as it is
+        "untold": "and in agreement"
+        if row["agreement_witness"] == "measured"
+        else "with too little to tell whether they agree",
+    }[kind_of(row["agreement"])]
     return (
         f"At {_depths(middle)}, {row['baseline_mm']:.4g} mm of baseline gives "
         f"{mm(middle['depth_rmse_mm'])} RMS depth error; "
@@ -148,20 +157,44 @@ def _depths(row: pd.Series) -> str:
     return f"{row['depth_near_mm'] / 1e3:.3g} to {row['depth_far_mm'] / 1e3:.3g} m"
 
 
-def _agreement(rows: pd.DataFrame, flagged: pd.Series) -> str:
+def _agreement(rows: pd.DataFrame) -> list[str]:
+    """How many rows agree, how many are flagged and why, and how many cannot tell and why."""
+    kinds = rows["agreement"].map(kind_of)
     measured = bool((rows["measured_n"] > 0).any())
     who = "Prediction, simulation and measurement" if measured else "Prediction and simulation"
     ratio = rows["predicted_over_simulated"].dropna()
     ends = dict.fromkeys(f"{end:.3f}" for end in (ratio.min(), ratio.max())) if len(ratio) else {}
-    span = f"predicted over simulated {' to '.join(ends)}" if ends else ""
-    if not flagged.any():
-        where = "" if len(rows) == 1 else f" in all {len(rows)} rows"
-        return f"{who} agree{where}" + (f" ({span})." if span else ".")
-    reasons = rows.loc[flagged, "agreement"].str.removeprefix("flagged: ").value_counts()
-    return (
-        f"{int(flagged.sum())} of {len(rows)} {'rows is' if flagged.sum() == 1 else 'rows are'} flagged: "
-        f"{reasons.index[0]}" + (" and others." if len(reasons) > 1 else ".")
-    )
+    span = f" (predicted over simulated {' to '.join(ends)})" if ends else ""
+    n, n_agrees = len(rows), int((kinds == "agrees").sum())
+    sentences = []
+    if n_agrees == n:
+        sentences.append(f"{who} agree{'' if n == 1 else f' in all {n} rows'}{span}.")
+    elif n_agrees:
+        sentences.append(f"{who} agree in {n_agrees} of {n} rows{span}.")
+    flagged = rows[kinds == "flagged"]
+    if len(flagged):
+        is_ = "row is" if n == 1 else "rows is" if len(flagged) == 1 else "rows are"
+        sentences.append(f"{len(flagged)} of {n} {is_} flagged: {_commonest(flagged)}.")
+    return sentences + [
+        f"In {len(part)} of {n} {'row' if n == 1 else 'rows'} {words}: {_commonest(part)}."
+        for part, words in (
+            (
+                rows[(kinds == "untold") & (rows["agreement_witness"] == "measured")],
+                "prediction and simulation agree, but there is not enough to tell of the measurement",
+            ),
+            (
+                rows[(kinds == "untold") & (rows["agreement_witness"] != "measured")],
+                "there is not enough to tell whether they agree",
+            ),
+        )
+        if len(part)
+    ]
+
+
+def _commonest(rows: pd.DataFrame) -> str:
+    """The commonest reason among rows, and whether there are others."""
+    reasons = rows["agreement"].map(reason_of).value_counts()
+    return str(reasons.index[0]) + (" (and others)" if len(reasons) > 1 else "")
 
 
 def _measured(row: pd.Series) -> list[str]:
@@ -197,6 +230,8 @@ def _low_disparity(row: pd.Series) -> list[str]:
         return []
     share = percent(row["low_disparity_fraction"])
     return [
-        f"At the best rig {share} of the pixels that both cameras see have a depth under 4 standard "
-        "deviations of its noise; they are counted, but kept out of the RMS."
+        f"At the best rig {share} of the pixels that both cameras see have a depth under "
+        f"{LEAST_DEPTH_SIGMAS:g} of its own standard deviations; they are kept out of the RMS of depth. The "
+        f"RMS error of their 1/Z is {row['far_inverse_depth_rmse_per_m']:.3g} per metre, "
+        f"predicted {row['predicted_far_inverse_depth_rmse_per_m']:.3g}."
     ]

@@ -61,7 +61,12 @@ def depth_in_sigmas(rig: StereoRig, points_left: npt.ArrayLike, noise: PixelNois
 
 
 def predict_depth_bias(rig: StereoRig, points_left: npt.ArrayLike, noise: PixelNoise | float) -> Array:
-    """Mean depth error (N,) m to second order in the noise; ``Z (sigma_d/d)^2`` when rectified.
+    """Mean depth error (N,) m to second order in the noise; ``Z (sigma_d/d)^2`` when rectified."""
+    return np.asarray(predict_bias(rig, points_left, noise)[:, 2])
+
+
+def predict_bias(rig: StereoRig, points_left: npt.ArrayLike, noise: PixelNoise | float) -> Array:
+    """Mean error (N, 3) m of triangulated points (N, 3) to second order in the noise.
 
     The normal equations expanded to second order, M = J^T J, H_i the Hessian of pixel coordinate i,
     C the covariance and ``D = (I - J A) S A^T``:
@@ -69,7 +74,7 @@ def predict_depth_bias(rig: StereoRig, points_left: npt.ArrayLike, noise: PixelN
     """
     points, noise = _checked(rig, points_left), as_noise(noise)
     S = noise.covariance_px2
-    bias = np.empty(len(points))
+    bias = np.empty((len(points), 3))
     for block in blocks(len(points), _BLOCK):
         X = points[block]
         J = rig.jacobian(X)
@@ -82,7 +87,7 @@ def predict_depth_bias(rig: StereoRig, points_left: npt.ArrayLike, noise: PixelN
         H = _hessian(rig, X)
         curvature = np.einsum("nijk,njk->ni", H, C)
         right_side = np.einsum("nijk,nik->nj", H, D) - 0.5 * np.einsum("nij,ni->nj", J, curvature)
-        bias[block] = np.einsum("nj,nj->n", M_inverse[:, 2], right_side)
+        bias[block] = np.einsum("nij,nj->ni", M_inverse, right_side)
     return bias
 
 

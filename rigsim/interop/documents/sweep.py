@@ -11,6 +11,7 @@ from pydantic import Field
 from rigsim.interop.documents.base import Part, Provenance, RemarkPart, Written
 from rigsim.study.comparison import compare
 from rigsim.study.result import SweepResult
+from rigsim.study.sweep_symptoms import Fault
 
 
 class SweepProvenance(Provenance):
@@ -68,7 +69,8 @@ class Row(Part):
     depth_bias_mm: float | None
     """Simulated mean depth error, mm."""
     depth_rmse_mm: float | None
-    """Simulated RMS depth error over the truth points, which are balanced over depth, mm."""
+    """Simulated RMS depth error over the truth points, which are balanced over depth, mm; without the
+    trials at infinity (1/Z below one standard deviation)."""
     depth_rmse_ci_low_mm: float | None
     """Lower end of its 95 % confidence interval, mm."""
     depth_rmse_ci_high_mm: float | None
@@ -86,11 +88,15 @@ class Row(Part):
     predicted_over_simulated: float | None
     """Ratio of the two."""
     nees: float | None
-    """Mean normalised squared error: 3 when the predicted covariance is right."""
+    """Mean normalised squared error of (1/Z, X/Z, Y/Z): 3 when the predicted covariance is right."""
     depth_rmse_image_mm: float | None
     """Simulated RMS depth error per pixel of the left image, as of a depth map, mm."""
     predicted_depth_rmse_image_mm: float | None
     """The closed forms' answer for it, mm."""
+    far_inverse_depth_rmse_per_m: float | None
+    """Simulated RMS error of 1/Z of the points kept out of the RMS of depth, 1/m; null without any."""
+    predicted_far_inverse_depth_rmse_per_m: float | None
+    """The closed forms' answer for them, 1/m."""
     measured_method: str
     """What was measured in the two pictures: corners, patches, dense or none."""
     measured_n: int
@@ -113,8 +119,35 @@ class Row(Part):
     """Ratio of the two."""
     measured_within_3_sigma: float | None
     """Share of the matches whose pixel error is within three of the standard deviations they claim."""
-    agreement: str = Field(pattern="^(agrees$|flagged: )")
-    """agrees, or flagged: and why."""
+    measured_scale: float | None
+    """Within what nine of ten errors lie, over where the claim puts it: 1 when the claim holds."""
+    measured_scale_ci_low: float | None
+    """Lower end of its 99 % interval; 0 with too few points."""
+    measured_scale_ci_high: float | None
+    """Upper end of its 99 % interval; null with too few points."""
+    agreement: str = Field(pattern="^(agrees$|flagged: |untold: )")
+    """agrees; flagged: and why; or untold: and why there is not enough to tell."""
+    agreement_witness: str
+    """Which witness the reason speaks of: simulated, measured, or neither alone."""
+
+
+class Diagnosis(Part):
+    """What is off in a flagged row."""
+
+    mistake: str
+    """Stable short name, as yaw or scale; unknown when no single known mistake explains the errors."""
+    says: str
+    """One sentence."""
+    amount: float | None
+    """How much, in unit: the truth minus what the triangulation takes; null where it has no amount."""
+    amount_se: float | None
+    """Standard error of the amount."""
+    unit: str
+    """Unit of the amount; empty where it has none."""
+    explained: float | None
+    """Share of the error that it explains, 0 to 1; null where that is not what tells."""
+    also: list[str]
+    """Mistakes that have the same effect here."""
 
 
 class OverallRow(Row):
@@ -122,6 +155,8 @@ class OverallRow(Row):
 
     limited_by: str
     """What limits it, in a word or two."""
+    diagnosis: Diagnosis | None
+    """What is off; null where the simulation is not flagged."""
 
 
 class DepthRow(Row):
@@ -196,6 +231,7 @@ class SweepDocument(Part):
 def sweep_document(result: SweepResult, written: Written | None) -> dict[str, Any]:
     """The whole sweep; `written` is its report, None when none was asked for."""
     provenance = dict(result.provenance)
+    faults = result.faults or (None,) * len(result.rows)
     document = SweepDocument.model_validate(
         {
             "command": provenance.pop("command", ""),
@@ -211,8 +247,10 @@ def sweep_document(result: SweepResult, written: Written | None) -> dict[str, An
             "far_limit_mm": result.far_limit_m * 1e3 if math.isfinite(result.far_limit_m) else None,
             "lens_note": _said(result.lens_note) or None,
             "rows": [
-                {**row, "limited_by": limit}
-                for row, limit in zip(result.rows.to_dict("records"), result.limits, strict=True)
+                {**row, "limited_by": limit, "diagnosis": _diagnosis(fault)}
+                for row, limit, fault in zip(
+                    result.rows.to_dict("records"), result.limits, faults, strict=True
+                )
             ],
             "by_depth": result.by_depth.to_dict("records"),
             "remarks": [asdict(remark) for remark in result.remarks],
@@ -232,6 +270,13 @@ def _compared(result: SweepResult) -> dict[str, Any] | None:
         "depth_rmse_mm": found.simulated_mm.tolist(),
         "predicted_depth_rmse_mm": found.predicted_mm.tolist(),
     }
+
+
+def _diagnosis(fault: Fault | None) -> dict[str, Any] | None:
+    if fault is None:
+        return None
+    values = asdict(fault)
+    return {"mistake": values.pop("name"), **values, "also": list(fault.also)}
 
 
 def _said(text: str) -> str:
