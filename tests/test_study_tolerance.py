@@ -495,4 +495,4 @@ def test_a_focal_length_of_both_is_a_share_of_unequal_lenses_too() -> None:
     off = causes(rig, Tolerances(both_focal_px=9.0))
     close(first_order(rig, off, points), [[-0.03], [-0.03]], rtol=1e-9)
     pixels = RigBatch(rig, 9.0 * np.eye(len(PARAMETERS))[[PARAMETERS.index("both_focal_px")]]).project(points)
-    close(triangulate(rig, pixels[:2, 0].T, pixels[2:, 0].T)[:, 2], 3.0 / 1.01, rtol=1e-9)
+    close(triangulate(rig, pixels[:2, 0].T, pixels[2:, 0].T)[:, 2], [3.0 / 1.01] * 2, rtol=1e-9)
