@@ -93,7 +93,7 @@ def test_numpy_numbers_make_cameras() -> None:
     assert BrownConrady(np.float64(0.1)) == BrownConrady(0.1)
 
 
-@pytest.mark.parametrize("wrong", WRONG, ids=repr)
+@pytest.mark.parametrize("wrong", WRONG, ids=lambda value: "object" if type(value) is object else repr(value))
 @pytest.mark.parametrize(
     "call",
     [
