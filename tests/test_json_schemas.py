@@ -36,6 +36,7 @@ WITHOUT_UNIT = {
     *("as_built", "recalibrated", "margin", "confidence_level", "first_over_simulated"),  # shares, ratios
     *("exponent", "exponent_ci_low", "exponent_ci_high"),
     *("nees", "predicted_over_simulated", "measured_over_predicted", "measured_within_3_sigma"),  # ratios
+    *("measured_scale", "measured_scale_ci_low", "measured_scale_ci_high"),  # ratios of error to claim
     *("pixel_error_over_bound", "pixel_error_over_bound_se", "bound_se", "depth_error_over_bound"),
     *("pixel_error_over_first", "pixel_error_over_first_se", "speed_over_first", "expected_failed_share_se"),
     *("depth_bias_over_std", "depth_bias_over_std_se", "expected_depth_bias_over_std", "points_per_second"),

@@ -8,6 +8,8 @@ sensor of two grey levels of noise.
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
+from contextlib import ExitStack
 from dataclasses import replace
 
 from rigsim import BrownConrady, Intrinsics, PixelNoise, Plan, Pose, StereoRig
@@ -57,6 +59,11 @@ def run() -> None:
 
 def count(seeds: int) -> int:
     """Run `seeds` seeds of every rig; the number of runs flagged."""
+    with ExitStack() as stack:
+        return _count(seeds, {scene: stack.enter_context(Simulator(scene)) for scene in SCENES})
+
+
+def _count(seeds: int, simulators: Mapping[str, Simulator]) -> int:
     started = time.monotonic()
     kinds = {"agrees": 0, "flagged": 0, "untold": 0}
     for seed in range(seeds):
@@ -70,11 +77,10 @@ def count(seeds: int) -> int:
                 n_trials=40,
                 seed=seed,
                 measure="auto" if measured else "none",
-                renderer="auto" if measured else "rays",
                 sensors={"2 grey": Sensor(grey_noise=2.0)},
                 supersample=2 if measured else 1,
             )
-            agreement = _agreement(rig, plan)
+            agreement = _agreement(rig, plan, simulators[scene])
             kinds[kind_of(agreement)] += 1
             if kind_of(agreement) != "agrees":
                 print(f"{name} in {scene}, seed {seed}: {agreement}", flush=True)
@@ -84,8 +90,7 @@ def count(seeds: int) -> int:
     return kinds["flagged"]
 
 
-def _agreement(rig: StereoRig, plan: Plan) -> str:
+def _agreement(rig: StereoRig, plan: Plan, simulator: Simulator) -> str:
     """The agreement of one rig, also where nothing comes of it, which ends a sweep."""
-    with Simulator(plan.scene, plan.mount, plan.renderer) as simulator:
-        (outcome,) = run_all([rig], plan, 1, simulator)
+    (outcome,) = run_all([rig], plan, 1, simulator)
     return str(outcome.rows[0]["agreement"])

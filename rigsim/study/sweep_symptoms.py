@@ -185,7 +185,7 @@ def scatter(asked: Asked, noise: PixelNoise) -> Fault | None:
     if max(widest - 1, 1 - narrowest) <= _SPREAD:
         return None
     if abs(depth - 1) <= _SPREAD and abs(column - 1) <= _SPREAD:
-        wide = f"Y scatters {row:.3g} times as wide as the noise makes it"
+        wide = f"Y scatters {row:#.3g} times as wide as the noise makes it"
         if row < 1:
             return Fault("too-little-scatter", wide, row)
         wasted = (
@@ -195,13 +195,13 @@ def scatter(asked: Asked, noise: PixelNoise) -> Fault | None:
     if times < 1:
         return Fault(
             "too-little-scatter",
-            f"errors scatter only {times:.3g} times as wide as noise of {noise.std_px:g} px makes "
+            f"errors scatter only {times:#.3g} times as wide as noise of {noise.std_px:g} px makes "
             "them: answers are averaged or drawn to a prior, or the truth leaks in",
             times,
         )
     return Fault(
         "too-much-scatter",
-        f"errors scatter {times:.3g} times as wide as noise of {noise.std_px:g} px makes them, as noise of "
+        f"errors scatter {times:#.3g} times as wide as noise of {noise.std_px:g} px makes them, as noise of "
         f"{times * noise.std_px:.3g} px would: noise is added, or part of what the pixels say is wasted",
         times,
     )
