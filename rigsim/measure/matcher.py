@@ -8,7 +8,6 @@ is the content). No shell reads it: write ``sh -c '...'`` for one.
 from __future__ import annotations
 
 import importlib
-import io
 import os
 import pickle
 import shlex
@@ -22,8 +21,8 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from rigsim import programs
-from rigsim.errors import InvalidImage, MeasurementFailed
+from rigsim import foreign, guard, programs
+from rigsim.errors import InvalidImage, MeasurementFailed, OutputError
 from rigsim.measure.images import AnyImage
 from rigsim.measure.opencv import load_cv2
 from rigsim.measure.pfm import parse_pfm
@@ -55,7 +54,7 @@ def run_named(spec: str, left: AnyImage, right: AnyImage, rig: StereoRig, timeou
     Raises:
         MeasurementFailed: it cannot be imported, raises, dies or takes longer than `timeout_s`.
     """
-    with tempfile.TemporaryDirectory(prefix="rigsim-matcher-") as folder:
+    with guard.temporary_folder("rigsim-matcher-") as folder:
         task, answer = Path(folder, "task"), Path(folder, "answer")
         task.write_bytes(pickle.dumps((spec, left, right, rig)))
         # the child finds what this process can import, the folder it was started in first
@@ -82,7 +81,7 @@ def run_command(command: str, left: AnyImage, right: AnyImage, timeout_s: float)
         words = shlex.split(command)
     except ValueError as error:
         raise MeasurementFailed(f"matcher command {command!r}: {error}") from None
-    with tempfile.TemporaryDirectory(prefix="rigsim-matcher-") as folder:
+    with guard.temporary_folder("rigsim-matcher-") as folder:
         paths = {
             "{left}": Path(folder, "left.png"),
             "{right}": Path(folder, "right.png"),
@@ -121,12 +120,16 @@ def _load_answer(content: bytes, spec: str) -> Any:
 
 
 def _load_disparity(path: Path, name: str) -> Any:
-    content = path.read_bytes()
+    try:
+        content = foreign.read_bytes(path, "a PFM or NPY file", follow=False)
+    except OutputError as error:
+        why = str(error).partition(": ")[2]
+        raise MeasurementFailed(f"matcher {name}: what it left at {{out}} {why}") from None
     try:
         if content.startswith(b"\x93NUMPY"):
-            return np.load(io.BytesIO(content), allow_pickle=False)
+            return foreign.parse_npy(content, "{out}")
         return parse_pfm(content)
-    except (InvalidImage, ValueError, EOFError):
+    except (InvalidImage, ValueError, EOFError, OverflowError, MemoryError):
         raise MeasurementFailed(f"matcher {name} wrote a file that is neither PFM nor NPY") from None
 
 

@@ -151,6 +151,7 @@ class IsolatedTriangulator:
         self._connection.send(question)
         end = time.monotonic() + timeout_s
         while not self._connection.poll(max(0.0, min(_LOOK_S, end - time.monotonic()))):
+            programs.trim(self._process)
             if programs.ends_within(self._process, 0.0) and not self._connection.poll():
                 raise EOFError
             if time.monotonic() >= end:
