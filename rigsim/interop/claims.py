@@ -1,7 +1,8 @@
 """Which process writes where: locks, temporary names, and what dead runs have left.
 
-A temporary name holds the number of its process and when that began, so that the next run knows whose it is and
-whether it still runs. A claim is a lock file beside the output, held by the system as long as the process lives.
+A temporary name holds the number of its process and when that began, so that the next run knows whose it is
+and whether that still runs. A claim is a lock file in the system's folder for temporary files, with the number
+of the process in it; the system holds the lock as long as the process lives.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import hashlib
 import os
 import re
 import secrets
+import tempfile
 from pathlib import Path
 
 from rigsim import guard
@@ -19,14 +21,13 @@ from rigsim._guardian import remove as remove_path
 from rigsim.errors import OutputError
 
 _TEMPORARY = re.compile(r"\.rigsim-(?:(\d+)-(\d+)-)?[0-9a-f]{8}\.tmp")
-_LOCK = re.compile(r"\.rigsim-[0-9a-f]{12}\.lock")
 _claimed: dict[Path, tuple[int, int, Path]] = {}
 """By output: the process that claimed it, the open lock file, and its path."""
 
 
 def is_own(name: str) -> bool:
     """Whether a file name is one of rigsim's own temporary ones."""
-    return bool(_TEMPORARY.fullmatch(name) or _LOCK.fullmatch(name))
+    return _TEMPORARY.fullmatch(name) is not None
 
 
 def temporary_name(folder: Path) -> Path:
@@ -35,8 +36,8 @@ def temporary_name(folder: Path) -> Path:
     return folder / f".rigsim-{pid}-{_began(pid)}-{secrets.token_hex(4)}.tmp"
 
 
-def claim(path: Path, ground: Path) -> None:
-    """Take the output `path` for this process, by a lock file in the existing folder `ground`.
+def claim(path: Path) -> None:
+    """Take the output `path` for this process.
 
     Raises:
         OutputError: another process writes there.
@@ -44,8 +45,12 @@ def claim(path: Path, ground: Path) -> None:
     output = path.absolute()
     if output in _claimed and _claimed[output][0] == os.getpid():
         return
-    lock = ground.absolute() / f".rigsim-{hashlib.sha256(os.fsencode(output)).hexdigest()[:12]}.lock"
-    descriptor = os.open(lock, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+    key = hashlib.sha256(os.fsencode(output)).hexdigest()[:16]
+    lock = Path(tempfile.gettempdir(), f".rigsim-{os.getuid()}-{key}.lock")
+    try:
+        descriptor = os.open(lock, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
+    except OSError:  # nowhere to lock: two runs are not told apart, but never overwrite either
+        return
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         os.ftruncate(descriptor, 0)
@@ -57,7 +62,7 @@ def claim(path: Path, ground: Path) -> None:
             f"output folder {path}: another run (process {holder or 'unknown'}) writes there; wait for it, or"
             " choose another folder"
         ) from None
-    except OSError:  # a disk without locks: two runs are not told apart there, but do not overwrite either
+    except OSError:
         pass
     guard.keep("path", str(lock))
     _claimed[output] = (os.getpid(), descriptor, lock)
@@ -91,20 +96,6 @@ def sweep(folder: Path) -> None:
             found = _TEMPORARY.fullmatch(entry.name)
             if found and (found[1] is None or _began(int(found[1])) != int(found[2])):
                 remove_path(entry.path)
-            elif _LOCK.fullmatch(entry.name) and Path(entry.path) not in (
-                held[2] for held in _claimed.values()
-            ):
-                _remove_dead_lock(entry.path)
-
-
-def _remove_dead_lock(path: str) -> None:
-    with contextlib.suppress(OSError):
-        descriptor = os.open(path, os.O_RDWR | os.O_CLOEXEC)
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            os.unlink(path)
-        finally:
-            os.close(descriptor)
 
 
 def _began(pid: int) -> int:

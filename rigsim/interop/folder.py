@@ -1,8 +1,8 @@
 """Output folders: written whole or not at all, and never over what somebody else has put there.
 
-Files are completed under temporary names on the same disk and moved into place, so a killed run leaves no half
-file, and a full disk leaves nothing. A folder is claimed from the first check on until the process ends or has
-written it: a second run into it is told at once. What a killed run has left is removed by the next one.
+Files are completed under temporary names on the same disk and moved into place, so a killed run leaves no
+half file, and a full disk leaves nothing. A folder is claimed from the first check on until it is written or
+the process ends: a second run into it is told at once. What a killed run left is removed by the next one.
 """
 
 from __future__ import annotations
@@ -39,11 +39,11 @@ def check_output(
     The folder is claimed for this process: another one that checks it fails until this one has ended.
 
     Raises:
-        OutputError: not a folder, not writable, not empty without `force`, another run's, or the disk is full.
+        OutputError: not a folder, not writable, not empty without `force`, another run's, or its disk is full.
     """
     try:
         ground = _check(path, force, names, needed_bytes)
-        claims.claim(path, ground)
+        claims.claim(path)
         claims.sweep(ground)
     except OSError as error:
         if isinstance(error, OutputError):
@@ -185,7 +185,7 @@ def _held(path: Path) -> list[str]:
 
 
 def _move_in(temporary: Path, path: Path, force: bool) -> None:
-    """Move the files of a temporary folder into one that was there, over others of their name with `force`."""
+    """Move the files of a temporary folder into one that was there; over their namesakes with `force`."""
     if not force and _held(path):
         raise OSError(errno.ENOTEMPTY, os.strerror(errno.ENOTEMPTY))
     for file in sorted(part for part in temporary.rglob("*") if part.is_file()):
