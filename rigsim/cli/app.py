@@ -11,7 +11,7 @@ from typing import Annotated, cast
 import typer
 
 from rigsim._version import __version__
-from rigsim.cli import calc, export
+from rigsim.cli import calc, ends, export
 from rigsim.cli.compare import compare
 from rigsim.cli.design import design
 from rigsim.cli.doctor import doctor
@@ -83,16 +83,31 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except _UsageError as error:
         return _fail(_in_one_line(error), 2)
     except (KeyboardInterrupt, typer.Abort):
-        return 130
+        return ends.exit_code()
     except BrokenPipeError:
         _drop_output()  # the reader has gone: nothing to say
         return 1
     except OSError as error:
         if error.errno != errno.ENOSPC:
-            raise
+            if ends.NO_NET in os.environ:
+                raise
+            return _fail(ends.unforeseen(error, list(sys.argv[1:] if arguments is None else arguments)), 1)
         _drop_output()
         return _fail(f"output: {error.strerror}; send it elsewhere, or free some space", 1)
-    return result if isinstance(result, int) else 0
+    except Exception as error:
+        if ends.NO_NET in os.environ:
+            raise
+        return _fail(ends.unforeseen(error, list(sys.argv[1:] if arguments is None else arguments)), 1)
+    finally:
+        _release_claims()
+    return ends.exit_code() if result == ends.INTERRUPTED else result if isinstance(result, int) else 0
+
+
+def _release_claims() -> None:
+    """Outputs that were checked and not written, as after an error, are free again."""
+    claims = sys.modules.get("rigsim.interop.claims")
+    if claims is not None:
+        claims.release_all()
 
 
 def _drop_output() -> None:

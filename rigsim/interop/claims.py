@@ -1,8 +1,8 @@
 """Which process writes where: locks, temporary names, and what dead runs have left.
 
 A temporary name holds the number of its process and when that began, so that the next run knows whose it is
-and whether that still runs. A claim is a lock file in the system's folder for temporary files, with the number
-of the process in it; the system holds the lock as long as the process lives.
+and whether that still runs. A claim is a lock file in the system's folder for temporary files, with the
+number of the process in it; the system holds the lock as long as the process lives.
 """
 
 from __future__ import annotations
@@ -76,6 +76,12 @@ def release(path: Path) -> None:
             lock.unlink()
         guard.let_go("path", str(lock))
         os.close(descriptor)
+
+
+def release_all() -> None:
+    """Give back every claim of this process."""
+    for path in list(_claimed):
+        release(path)
 
 
 def moved(temporary: Path) -> None:

@@ -39,7 +39,7 @@ def check_output(
     The folder is claimed for this process: another one that checks it fails until this one has ended.
 
     Raises:
-        OutputError: not a folder, not writable, not empty without `force`, another run's, or its disk is full.
+        OutputError: not a folder, not writable, not empty without `force`, another run's, or on a full disk.
     """
     try:
         ground = _check(path, force, names, needed_bytes)

@@ -182,8 +182,6 @@ def serve() -> None:
     connection: Connection[Any, Any] = Connection(descriptor)
     name, timeout_s = connection.recv()
     sys.argv[1:] = []
-    # now that all of rigsim is loaded, the working folder comes first, as for a script: test:f is test.py's
-    sys.path.insert(0, os.getcwd())
     try:
         function = load(name)
     except TriangulatorError as error:
