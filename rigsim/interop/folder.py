@@ -162,7 +162,9 @@ def _check(path: Path, force: bool, names: Collection[str], needed_bytes: int) -
                     f"output folder {path}: {name} is a folder there; choose another output folder"
                 )
         ground = path
-    elif path.exists() or path.is_symlink():
+    elif path.is_symlink() and not path.exists():
+        raise OutputError(f"output folder {path}: is a link that leads nowhere; choose another folder")
+    elif path.exists():
         raise OutputError(f"output folder {path}: is a file; choose a folder")
     else:
         ground = next(parent for parent in path.absolute().parents if parent.exists())
