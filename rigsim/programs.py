@@ -1,17 +1,35 @@
-"""Other people's programs: started with their words on a file, and ended with all their children."""
+"""Other people's programs: started with their words on a file, and ended with all their children.
+
+Whatever such a program starts ends with it, in a session of its own or not, and so does the program when this
+process is killed.
+"""
 
 from __future__ import annotations
 
 import contextlib
 import os
+import secrets
 import signal
 import subprocess
 import time
 from collections.abc import Mapping, Sequence
 from typing import IO
 
+from rigsim import guard
+from rigsim._guardian import end_family
+
+MOST_SAID = 1_000_000
+"""Of what a program prints so many bytes are kept; what comes later replaces it."""
+
 _LOOK_BYTES = 65536
-_LOOK_S = 0.005
+_SHORTEST_S, _LONGEST_S = 0.0005, 0.01  # between two looks at a program
+_TRIM_S = 0.05
+_MARK = "RIGSIM_PROGRAM"
+
+_marks: dict[int, str] = {}
+"""What the environment of a program and its children holds, by its process id."""
+_said: dict[int, tuple[IO[bytes], ...]] = {}
+"""Where a program prints."""
 
 
 def start(
@@ -30,47 +48,80 @@ def start(
     Raises:
         OSError: it cannot be started.
     """
-    return subprocess.Popen(
-        words,
-        stdin=subprocess.DEVNULL,
-        stdout=said,
-        stderr=complained or said,
-        env={**os.environ, **(environment or {})},
-        pass_fds=pass_fds,
-        start_new_session=True,
-    )
+    own = f"{os.getpid()}-{secrets.token_hex(8)}"
+    mark = f"{_MARK}={own}"
+    guard.keep("family", mark)
+    try:
+        process = subprocess.Popen(
+            words,
+            stdin=subprocess.DEVNULL,
+            stdout=said,
+            stderr=complained or said,
+            env={**os.environ, **(environment or {}), _MARK: own},
+            pass_fds=pass_fds,
+            start_new_session=True,
+        )
+    except BaseException:
+        guard.let_go("family", mark)
+        raise
+    _marks[process.pid] = mark
+    _said[process.pid] = (said,) if complained is None else (said, complained)
+    return process
 
 
 def wait(process: subprocess.Popen[bytes], timeout_s: float) -> int:
-    """The exit code of a process from `start`; it is killed with its children when it takes too long.
+    """The exit code of a process from `start`, whose children end with it; one that takes too long is killed.
 
     Raises:
         subprocess.TimeoutExpired: it took longer than `timeout_s`.
     """
     try:
-        return process.wait(timeout_s)
-    except BaseException:
-        kill(process)
-        raise
+        end = time.monotonic() + timeout_s
+        while not ends_within(process, min(_TRIM_S, max(0.0, end - time.monotonic()))):
+            trim(process)
+            if time.monotonic() >= end:
+                raise subprocess.TimeoutExpired(process.args, timeout_s)
+        process.wait()
+    finally:
+        trim(process)
+        code = kill(process)
+    return code
 
 
 def kill(process: subprocess.Popen[bytes]) -> int:
-    """End a process from `start` that has not been waited for, and its children; its exit code."""
+    """End a process from `start`, and its children; its exit code."""
     # the session it was given is its own, and its number is not free before the wait: this ends nothing else
     if process.returncode is None:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
-    return process.wait()
+    code = process.wait()
+    mark = _marks.pop(process.pid, "")
+    _said.pop(process.pid, None)
+    if mark:
+        end_family(mark)
+        guard.let_go("family", mark)
+    return code
 
 
 def ends_within(process: subprocess.Popen[bytes], timeout_s: float) -> bool:
     """Whether a process from `start` ends within a time; it can still be given to `kill`."""
-    end = time.monotonic() + timeout_s
+    end, pause_s = time.monotonic() + timeout_s, _SHORTEST_S
     while os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT | os.WNOHANG) is None:
         if time.monotonic() >= end:
             return False
-        time.sleep(_LOOK_S)
+        time.sleep(pause_s)
+        pause_s = min(2 * pause_s, _LONGEST_S)
     return True
+
+
+def trim(process: subprocess.Popen[bytes]) -> None:
+    """Throw away what a process has printed beyond `MOST_SAID`: a loop that prints must not fill the disk."""
+    for file in _said.get(process.pid, ()):
+        descriptor = file.fileno()
+        if os.fstat(descriptor).st_size > MOST_SAID:
+            # its place in the file is the process's too
+            os.ftruncate(descriptor, 0)
+            os.lseek(descriptor, 0, os.SEEK_SET)
 
 
 def how_it_ended(code: int) -> str:

@@ -3,9 +3,15 @@
 
 def main() -> int:
     """Run the command line; returns the exit code: 0 fine, 1 error, 2 usage, 3 outside tolerance."""
+    from rigsim.cli import ends
+
+    ends.listen()
     try:
         from rigsim.cli.app import run
 
-        return run()
+        code = run()
     except KeyboardInterrupt:  # while still importing
-        return 130
+        code = ends.exit_code()
+    if code == ends.exit_code():
+        ends.leave(code)
+    return code

@@ -30,10 +30,8 @@ def print_document(document: Mapping[str, Any]) -> None:
     """
     from rigsim.interop.documents.text import json_text
 
-    if sys.stdout is None:
-        raise OutputError("standard output is closed: leave it open, --json prints there")
     try:
-        typer.echo(json_text(document, sys.stdout.encoding or "utf-8"))
+        typer.echo(json_text(document, getattr(sys.stdout, "encoding", None) or "utf-8"))
         sys.stdout.flush()
     except BrokenPipeError:
         raise

@@ -11,7 +11,7 @@ from typing import Annotated, cast
 import typer
 
 from rigsim._version import __version__
-from rigsim.cli import calc, export
+from rigsim.cli import calc, ends, export, terminal
 from rigsim.cli.compare import compare
 from rigsim.cli.design import design
 from rigsim.cli.doctor import doctor
@@ -23,7 +23,7 @@ from rigsim.cli.scenes import scenes
 from rigsim.cli.sweep import sweep
 from rigsim.cli.tolerance import tolerance
 from rigsim.cli.verify import verify
-from rigsim.errors import InvalidRange, RigsimError
+from rigsim.errors import InvalidRange, OutputError, RigsimError
 
 app = typer.Typer(
     name="rigsim",
@@ -75,24 +75,58 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
     0 fine, 1 error, 2 usage, 3 outside tolerance, 130 interrupted. An error is one line on stderr.
     """
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    terminal.prepare()
     try:
-        result = app(arguments, prog_name="rigsim", standalone_mode=False)
-        sys.stdout.flush()
+        _check_words(words)
+        result = app(words, prog_name="rigsim", standalone_mode=False)
+        if sys.stdout is not None:
+            sys.stdout.flush()
     except RigsimError as error:
         return _fail(str(error), 2 if isinstance(error, InvalidRange) else 1)
     except _UsageError as error:
         return _fail(_in_one_line(error), 2)
     except (KeyboardInterrupt, typer.Abort):
-        return 130
+        return ends.exit_code()
     except BrokenPipeError:
         _drop_output()  # the reader has gone: nothing to say
         return 1
     except OSError as error:
         if error.errno != errno.ENOSPC:
-            raise
+            if ends.NO_NET in os.environ:
+                raise
+            return _fail(ends.unforeseen(error, words), 1)
         _drop_output()
         return _fail(f"output: {error.strerror}; send it elsewhere, or free some space", 1)
-    return result if isinstance(result, int) else 0
+    except Exception as error:
+        if ends.NO_NET in os.environ:
+            raise
+        return _fail(ends.unforeseen(error, words), 1)
+    finally:
+        _release_claims()
+    return ends.exit_code() if result == ends.INTERRUPTED else result if isinstance(result, int) else 0
+
+
+def _check_words(words: list[str]) -> None:
+    """Refuse what no option can mean.
+
+    Raises:
+        OutputError: a document is wanted, and there is nowhere to print it.
+        InvalidRange: an option's value is empty, as from a variable of the shell that is not set.
+    """
+    if sys.stdout is None and "--json" in words:
+        raise OutputError("standard output is closed: leave it open, --json prints there")
+    for option, value in zip(words, [*words[1:], "?"], strict=True):
+        name, equals, rest = option.partition("=")
+        if name.startswith("--") and (value == "" if not equals else rest == ""):
+            raise InvalidRange(f"{name}: its value is empty: give one (is a variable of the shell not set?)")
+
+
+def _release_claims() -> None:
+    """Outputs that were checked and not written, as after an error, are free again."""
+    claims = sys.modules.get("rigsim.interop.claims")
+    if claims is not None:
+        claims.release_all()
 
 
 def _drop_output() -> None:

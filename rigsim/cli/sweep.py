@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import os
 import shlex
 import sys
 import time
@@ -12,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rigsim.cli import quantity
+from rigsim.cli import ends, quantity
 from rigsim.cli.answer import print_document, print_remarks, quiet
 from rigsim.cli.progress import shown
 from rigsim.cli.rigs import RigOptions
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
 MANY_RIGS = 1000
 """More rigs than this are run only with --yes."""
 
-INTERRUPTED = 130
 
 TYPICAL_NOISE_GREY = 2
 """Image noise of an ordinary 8-bit camera in good light, grey levels."""
@@ -170,7 +168,7 @@ def sweep(
         result = run(grid, plan, jobs=jobs, progress=progress)
     _deliver(result, target, force, as_json)
     if not result.complete:
-        raise typer.Exit(INTERRUPTED)
+        raise typer.Exit(ends.INTERRUPTED)
 
 
 def _assumed(assume: Path | None, rig: Path | None) -> tuple[StereoRig | None, Perturbation | None]:
@@ -216,6 +214,4 @@ def _methods(text: str) -> tuple[str, ...]:
     methods = tuple(part.strip() for part in text.split(","))
     if not all(methods):
         raise InvalidRange(f"triangulator {text!r}: empty; name one, or several with commas")
-    if any(":" in method for method in methods):
-        sys.path.insert(0, os.getcwd())  # a module beside the user is what package.module:function means
     return methods

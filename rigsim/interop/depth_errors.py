@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from rigsim.errors import InvalidRange, OutputError
+from rigsim import foreign
+from rigsim.errors import InvalidRange
 from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.infer import CONFIDENCE, FEWEST, DepthErrors, Inference, Transfer
@@ -29,12 +30,7 @@ def read_depth_errors(path: Path) -> DepthErrors:
         InvalidRange: a column is missing, a value is no number or out of bounds, or there are fewer than
             three distances; the message names file, line and column.
     """
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError:
-        raise OutputError(f"{path}: is not CSV (not UTF-8 text)") from None
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be read ({error.strerror}); name a CSV file") from None
+    text = foreign.read_text(path, "a CSV file")
     reader = csv.reader(text.splitlines())
     head = [name.strip() for name in next(reader, [])]
     for name in _NEEDED:

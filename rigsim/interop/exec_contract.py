@@ -14,7 +14,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from rigsim import programs
+from rigsim import guard, programs
 from rigsim.errors import OutputError, TriangulatorError, TriangulatorTimeout
 from rigsim.interop.exec_files import POINTS, parse_points, task_files
 from rigsim.rig.arrays import Array
@@ -76,12 +76,13 @@ class ExecTriangulator:
             self.folder = _numbered(self.keep.absolute())
             yield self.folder
             return
+        stack = contextlib.ExitStack()
         try:
-            made = tempfile.TemporaryDirectory(prefix="rigsim-exec-", ignore_cleanup_errors=True)
+            made = stack.enter_context(guard.temporary_folder("rigsim-exec-"))
         except OSError as error:
             raise OutputError(f"temporary folder: {error.strerror or error}; free some space") from None
-        with made as folder:
-            yield Path(folder)
+        with stack:
+            yield made
 
     def _run(self, folder: Path) -> None:
         with tempfile.TemporaryFile() as said, tempfile.TemporaryFile() as complained:
@@ -148,7 +149,7 @@ def _write(path: Path, text: str) -> None:
 
 
 def _read(path: Path, count: int) -> bytes:
-    if not path.is_file():
+    if path.is_symlink() or not path.is_file():  # a link may lead to what is not the program's
         raise TriangulatorError(f"ended well, but left no {POINTS} in the folder that is its last argument")
     bound = _ROW_BYTES * (count + 2)
     try:

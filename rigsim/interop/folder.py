@@ -1,20 +1,22 @@
-"""Output folders: written whole or not at all.
+"""Output folders: written whole or not at all, and never over what somebody else has put there.
 
-Files are completed under temporary names on the same disk and moved into place, so a killed run
-leaves no half file, and a full disk leaves nothing.
+Files are completed under temporary names on the same disk and moved into place, so a killed run leaves no
+half file, and a full disk leaves nothing. A folder is claimed from the first check on until it is written or
+the process ends: a second run into it is told at once. What a killed run left is removed by the next one.
 """
 
 from __future__ import annotations
 
 import errno
 import os
-import secrets
 import shutil
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
+from rigsim import guard
 from rigsim.errors import OutputError
+from rigsim.interop import claims
 
 NEEDED_BYTES = 16_000_000
 """Free space asked for before a run starts: a report with its pictures and tables, generously."""
@@ -34,11 +36,15 @@ def check_output(
 ) -> None:
     """Fail before the work rather than after it when `path` cannot take the files called `names`.
 
+    The folder is claimed for this process: another one that checks it fails until this one has ended.
+
     Raises:
-        OutputError: not a folder, not writable, not empty without `force`, or the disk is full.
+        OutputError: not a folder, not writable, not empty without `force`, another run's, or on a full disk.
     """
     try:
-        _check(path, force, names, needed_bytes)
+        ground = _check(path, force, names, needed_bytes)
+        claims.claim(path)
+        claims.sweep(ground)
     except OSError as error:
         if isinstance(error, OutputError):
             raise
@@ -69,19 +75,18 @@ def write_folder(path: Path, files: Mapping[str, bytes], force: bool = False) ->
             _write_through(temporary / name, content)
         if is_new:
             os.rename(temporary, path)  # refused by the system when the folder has been filled meanwhile
+            claims.moved(temporary)
             temporary, made = None, []
         else:
-            if not force and any(entry != temporary for entry in path.iterdir()):
-                raise OSError(errno.ENOTEMPTY, os.strerror(errno.ENOTEMPTY))
-            for name in files:
-                os.replace(temporary / name, path / name)
+            _move_in(temporary, path, force)
     except OSError as error:
         raise _explained(path, error) from None
     finally:
         if temporary is not None:
-            shutil.rmtree(temporary, ignore_errors=True)
+            claims.remove(temporary)
             if not path.exists():
                 _remove_empty(made)
+        claims.release(path)
 
 
 @contextmanager
@@ -106,21 +111,20 @@ def folder_in_progress(
         yield temporary
         if is_new:
             os.rename(temporary, path)
+            claims.moved(temporary)
             temporary, made = None, []
         else:
-            for file in sorted(part for part in temporary.rglob("*") if part.is_file()):
-                target = path / file.relative_to(temporary)
-                target.parent.mkdir(parents=True, exist_ok=True)
-                os.replace(file, target)
+            _move_in(temporary, path, force)
     except OSError as error:
         if isinstance(error, OutputError):
             raise
         raise _explained(path, error) from None
     finally:
         if temporary is not None:
-            shutil.rmtree(temporary, ignore_errors=True)
+            claims.remove(temporary)
             if not path.exists():
                 _remove_empty(made)
+        claims.release(path)
 
 
 def write_file(path: Path, content: bytes) -> None:
@@ -129,7 +133,8 @@ def write_file(path: Path, content: bytes) -> None:
     Raises:
         OutputError: its folder does not exist or cannot be written; an older file stays as it was.
     """
-    temporary = path.absolute().parent / f".rigsim-{secrets.token_hex(4)}.tmp"
+    temporary = claims.temporary_name(path.absolute().parent)
+    guard.keep("path", str(temporary))
     try:
         _write_through(temporary, content)
         os.replace(temporary, path)
@@ -138,11 +143,13 @@ def write_file(path: Path, content: bytes) -> None:
         raise OutputError(f"output file {path}: {reason}") from None
     finally:
         temporary.unlink(missing_ok=True)
+        guard.let_go("path", str(temporary))
 
 
-def _check(path: Path, force: bool, names: Collection[str], needed_bytes: int) -> None:
+def _check(path: Path, force: bool, names: Collection[str], needed_bytes: int) -> Path:
+    """The folder, there already, in which `path` is or will be."""
     if path.is_dir():
-        held = sorted(entry.name for entry in path.iterdir())
+        held = _held(path)
         if held and not force:
             some = ", ".join(held[:3]) + (", ..." if len(held) > 3 else "")
             raise OutputError(
@@ -155,7 +162,9 @@ def _check(path: Path, force: bool, names: Collection[str], needed_bytes: int) -
                     f"output folder {path}: {name} is a folder there; choose another output folder"
                 )
         ground = path
-    elif path.exists() or path.is_symlink():
+    elif path.is_symlink() and not path.exists():
+        raise OutputError(f"output folder {path}: is a link that leads nowhere; choose another folder")
+    elif path.exists():
         raise OutputError(f"output folder {path}: is a file; choose a folder")
     else:
         ground = next(parent for parent in path.absolute().parents if parent.exists())
@@ -169,6 +178,26 @@ def _check(path: Path, force: bool, names: Collection[str], needed_bytes: int) -
             f"output folder {path}: {free / 1e6:.1f} MB are free on its disk, must be >="
             f" {needed_bytes / 1e6:.0f} MB; free some space or choose another folder"
         )
+    return ground
+
+
+def _held(path: Path) -> list[str]:
+    """Names in a folder, without rigsim's own temporary ones."""
+    return sorted(entry.name for entry in path.iterdir() if not claims.is_own(entry.name))
+
+
+def _move_in(temporary: Path, path: Path, force: bool) -> None:
+    """Move the files of a temporary folder into one that was there; over their namesakes with `force`."""
+    if not force and _held(path):
+        raise OSError(errno.ENOTEMPTY, os.strerror(errno.ENOTEMPTY))
+    for file in sorted(part for part in temporary.rglob("*") if part.is_file()):
+        target = path / file.relative_to(temporary)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if force:
+            os.replace(file, target)
+        else:
+            os.link(file, target)  # unlike a rename, refused when something of that name has come meanwhile
+            file.unlink()
 
 
 def _make_parents(path: Path) -> list[Path]:
@@ -180,8 +209,8 @@ def _make_parents(path: Path) -> list[Path]:
 
 def _temporary_beside(path: Path) -> Path:
     """A new hidden folder on `path`'s own disk; not tempfile's, whose mode would outlive the move."""
-    name = f".rigsim-{secrets.token_hex(4)}.tmp"
-    temporary = path / name if path.exists() else path.absolute().parent / name
+    temporary = claims.temporary_name(path if path.exists() else path.absolute().parent)
+    guard.keep("path", str(temporary.absolute()))
     temporary.mkdir()
     return temporary
 

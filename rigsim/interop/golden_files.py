@@ -8,6 +8,7 @@ import io
 from collections.abc import Iterable
 from pathlib import Path
 
+from rigsim import foreign
 from rigsim.errors import OutputError
 from rigsim.interop.folder import write_file
 from rigsim.study.verify.golden import Number, Record
@@ -66,9 +67,9 @@ def _text(record: Record) -> str:
 
 def _read(path: Path) -> Record:
     try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise OutputError(f"golden file {path}: {error}; {_AGAIN}") from None
+        text = foreign.read_text(path, "a golden file")
+    except OutputError as error:
+        raise OutputError(f"golden file {error}; {_AGAIN}") from None
     body, mark, checksum = text.rpartition("# sha256 ")
     if not mark:
         raise OutputError(f"golden file {path}: its last line, the checksum, is missing (cut off?); {_AGAIN}")

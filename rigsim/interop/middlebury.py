@@ -18,7 +18,8 @@ from pathlib import Path
 
 import numpy as np
 
-from rigsim.errors import InvalidImage, InvalidRig, OutputError
+from rigsim import foreign
+from rigsim.errors import InvalidImage, InvalidRig
 from rigsim.measure.pfm import parse_pfm
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
@@ -48,11 +49,8 @@ def read_calib(path: str | Path) -> MiddleburyCalibration:
         OutputError: the file cannot be read.
         InvalidRig: a line is missing or contradicts another one.
     """
-    try:
-        text = Path(path).read_text(encoding="utf-8", errors="replace")
-    except OSError as error:
-        raise OutputError(f"{path}: {error.strerror or error}") from None
-    return parse_calib(text, str(path))
+    content = foreign.read_bytes(path, "a calibration file", foreign.TEXT_BYTES)
+    return parse_calib(content.decode("utf-8", errors="replace"), str(path))
 
 
 def parse_calib(text: str, name: str = "calib.txt") -> MiddleburyCalibration:
@@ -132,10 +130,7 @@ def read_disparity(path: str | Path, *, png_scale: float = _PNG_SCALE) -> Array:
         OutputError: the file cannot be read.
         InvalidImage: it holds no disparity map.
     """
-    try:
-        content = Path(path).read_bytes()
-    except OSError as error:
-        raise OutputError(f"{path}: {error.strerror or error}") from None
+    content = foreign.read_bytes(path, "a disparity map (PFM, NPY or PNG)")
     if content.startswith(b"\x93NUMPY"):
         disparity = _npy(content, path)
     elif content.startswith(b"\x89PNG"):
@@ -173,10 +168,7 @@ def disparity_png(disparity: Array, *, png_scale: float = _PNG_SCALE) -> bytes:
 
 
 def _npy(content: bytes, path: str | Path) -> Array:
-    try:
-        values = np.load(io.BytesIO(content), allow_pickle=False).astype(np.float64)
-    except (ValueError, EOFError, TypeError):
-        raise InvalidImage(f"{path}: no NPY file of numbers") from None
+    values = foreign.parse_npy(content, path).astype(np.float64)
     values[np.isinf(values)] = np.nan
     return np.asarray(values)
 
@@ -184,6 +176,7 @@ def _npy(content: bytes, path: str | Path) -> Array:
 def _png(content: bytes, path: str | Path, png_scale: float) -> Array:
     from PIL import Image
 
+    foreign.check_pixels(content, path)
     try:
         values = np.asarray(Image.open(io.BytesIO(content)), dtype=np.float64)
     except (OSError, SyntaxError, ValueError):

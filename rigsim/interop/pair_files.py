@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from rigsim.errors import InvalidRange, OutputError
+from rigsim import foreign
+from rigsim.errors import InvalidRange
 from rigsim.interop.documents.base import Written
 from rigsim.interop.documents.text import clean
 from rigsim.interop.middlebury import read_disparity
@@ -43,11 +44,7 @@ def read_truth(path: Path, png_scale: float | None = None) -> Array:
         if not (math.isfinite(png_scale) and png_scale > 0):
             raise InvalidRange(f"truth scale {png_scale:g}: must be > 0")
         return read_disparity(path, png_scale=png_scale)
-    try:
-        with path.open("rb") as file:
-            head = file.read(_PNG_BIT_DEPTH + 1)
-    except OSError as error:
-        raise OutputError(f"{path}: {error.strerror or error}") from None
+    head = foreign.read_bytes(path, "a disparity map (PFM, NPY or PNG)")[: _PNG_BIT_DEPTH + 1]
     if head.startswith(b"\x89PNG") and head[_PNG_BIT_DEPTH:] == b"\x08":
         raise InvalidRange(
             f"{path}: a PNG of 8 bit: say with --truth-scale how many grey levels are one px (Middlebury: "
@@ -62,13 +59,10 @@ def sources(paths: Mapping[str, Path]) -> dict[str, object]:
     Raises:
         OutputError: a file cannot be read.
     """
-    try:
-        return {
-            key: {"file": str(path), "sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
-            for key, path in paths.items()
-        }
-    except OSError as error:
-        raise OutputError(f"{error.filename}: {error.strerror or error}") from None
+    return {
+        key: {"file": str(path), "sha256": hashlib.sha256(foreign.read_bytes(path, "a file")).hexdigest()}
+        for key, path in paths.items()
+    }
 
 
 def document(result: PairMeasurement, written: Written | None = None) -> dict[str, object]:

@@ -44,8 +44,10 @@ from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from rigsim.errors import InvalidRig, OutputError
+from rigsim import foreign
+from rigsim.errors import InvalidRig
 from rigsim.interop.rig_schema import LARGEST, perturbation_from_table, rig_from_table, sensor_from_table
+from rigsim.interop.values import clipped
 from rigsim.rig import given
 from rigsim.rig.arrays import Array
 from rigsim.rig.distortion import BrownConrady
@@ -136,12 +138,7 @@ def write_rig(rig: StereoRig, comment: str = "", sensor: Sensor | None = None) -
 
 
 def _read(path: Path, parse: Callable[[str], _T]) -> _T:
-    try:
-        text = path.read_text(encoding="utf-8")
-    except UnicodeDecodeError:
-        raise InvalidRig(f"{path}: is not TOML (not UTF-8 text)") from None
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be read ({error.strerror}); name a rig.toml") from None
+    text = foreign.read_text(path, "a rig.toml")
     try:
         return parse(text)
     except InvalidRig as error:
@@ -153,8 +150,10 @@ def _table(text: str) -> dict[str, object]:
         return tomllib.loads(text, parse_float=Decimal)
     except ArithmeticError:
         raise InvalidRig(f"a number is too large: must be within +-{LARGEST:g}") from None
+    except RecursionError:
+        raise InvalidRig("is not TOML that can be meant: brackets are nested too deep") from None
     except ValueError as error:
-        raise InvalidRig(f"is not TOML: {error}") from None
+        raise InvalidRig(f"is not TOML: {clipped(str(error))}") from None
 
 
 def _short_text(rig: StereoRig) -> str | None:

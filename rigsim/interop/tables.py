@@ -15,11 +15,22 @@ from rigsim.study.result import SweepResult
 from rigsim.study.snapshot import Snapshot
 
 _DIGITS = "%.10g"
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 
 def csv_bytes(table: pd.DataFrame) -> bytes:
-    """A table as CSV: ten significant digits, empty for NaN, the same bytes for the same numbers."""
-    return bytes(table.to_csv(index=False, float_format=_DIGITS, lineterminator="\n").encode())
+    """A table as CSV: ten significant digits, empty for NaN, the same bytes for the same numbers.
+
+    A name that a spreadsheet would take for a formula gets an apostrophe in front, by which it is text.
+    """
+    words = table.select_dtypes(include=["object", "string"]).columns
+    safe = table.assign(**{column: table[column].map(as_text) for column in words})
+    return bytes(safe.to_csv(index=False, float_format=_DIGITS, lineterminator="\n").encode())
+
+
+def as_text(value: object) -> object:
+    """A cell that no spreadsheet runs: words that begin like a formula get an apostrophe in front."""
+    return f"'{value}" if isinstance(value, str) and value.startswith(_FORMULA) else value
 
 
 def json_bytes(document: Mapping[str, object]) -> bytes:

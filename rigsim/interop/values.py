@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import reprlib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
 
-from rigsim.errors import InvalidRig, OutputError
+from rigsim import foreign
+from rigsim.errors import InvalidRig
 from rigsim.rig.arrays import Array
 from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.intrinsics import Intrinsics
@@ -17,6 +19,8 @@ _LARGEST = 1e12
 _ROUNDED_ROTATION = 2e-3  # three decimals of a rotation's numbers
 _EXACT_ROTATION = 1e-11
 _SHOWN = 40
+_BRIEF = reprlib.Repr()
+_BRIEF.maxlevel, _BRIEF.maxlist, _BRIEF.maxdict, _BRIEF.maxstring = 3, 8, 4, 2 * _SHOWN
 
 
 def real(value: float) -> str:
@@ -37,12 +41,7 @@ def read_text(path: Path) -> str:
     Raises:
         OutputError: it cannot be read, or is no text.
     """
-    try:
-        return path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError:
-        raise OutputError(f"{path}: is no calibration (not UTF-8 text)") from None
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be read ({error.strerror}); name a calibration file") from None
+    return foreign.read_text(path, "a calibration file")
 
 
 def member(table: object, key: str, owner: str = "") -> object:
@@ -195,11 +194,11 @@ def opencv_distortion(D: Array, name: str) -> BrownConrady | None:
 
 
 def shown(value: object) -> str:
-    """A value as a message quotes it."""
-    return clipped(value if isinstance(value, str) else repr(value))
+    """A value as a message quotes it, whatever its size."""
+    return clipped(value[: 2 * _SHOWN] if isinstance(value, str) else _BRIEF.repr(value))
 
 
 def clipped(text: str) -> str:
     """A text cut to what fits a message."""
-    text = " ".join(text.split())
+    text = " ".join(text[: 4 * _SHOWN].split())
     return text if len(text) <= _SHOWN else text[: _SHOWN - 3] + "..."

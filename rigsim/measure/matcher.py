@@ -7,9 +7,6 @@ is the content). No shell reads it: write ``sh -c '...'`` for one.
 
 from __future__ import annotations
 
-import importlib
-import io
-import os
 import pickle
 import shlex
 import subprocess
@@ -22,12 +19,17 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from rigsim import programs
-from rigsim.errors import InvalidImage, MeasurementFailed
+from rigsim import foreign, guard, programs, strangers
+from rigsim.errors import InvalidImage, MeasurementFailed, OutputError
 from rigsim.measure.images import AnyImage
 from rigsim.measure.opencv import load_cv2
 from rigsim.measure.pfm import parse_pfm
 from rigsim.rig.stereo import StereoRig
+
+_CODE = (
+    "import sys; task, answer, *sys.path[:] = sys.argv[1:]; sys.argv[1:] = [];"
+    " from rigsim.measure.matcher import serve; serve(task, answer)"
+)
 
 MatcherFunction: TypeAlias = Callable[[AnyImage, AnyImage, StereoRig], npt.ArrayLike]
 """Left and right picture and their rig in, disparity (H, W) px out, not finite where unknown."""
@@ -55,17 +57,14 @@ def run_named(spec: str, left: AnyImage, right: AnyImage, rig: StereoRig, timeou
     Raises:
         MeasurementFailed: it cannot be imported, raises, dies or takes longer than `timeout_s`.
     """
-    with tempfile.TemporaryDirectory(prefix="rigsim-matcher-") as folder:
+    with guard.temporary_folder("rigsim-matcher-") as folder:
         task, answer = Path(folder, "task"), Path(folder, "answer")
         task.write_bytes(pickle.dumps((spec, left, right, rig)))
-        # the child finds what this process can import, the folder it was started in first
-        search_path = os.pathsep.join([os.getcwd(), *(entry for entry in sys.path if entry)])
-        _run(
-            [sys.executable, "-m", "rigsim.measure.matcher", str(task), str(answer)],
-            f"matcher {spec}",
-            timeout_s,
-            {"PYTHONPATH": search_path},
-        )
+        # the same modules as here, whatever -c adds to the path
+        words = [sys.executable, "-P", "-c", _CODE, str(task), str(answer), *sys.path]
+        _run(words, f"matcher {spec}", timeout_s, {})
+        if not answer.is_file():
+            raise MeasurementFailed(f"matcher {spec} ended its process: must return")
         return _load_answer(answer.read_bytes(), spec)
 
 
@@ -82,7 +81,7 @@ def run_command(command: str, left: AnyImage, right: AnyImage, timeout_s: float)
         words = shlex.split(command)
     except ValueError as error:
         raise MeasurementFailed(f"matcher command {command!r}: {error}") from None
-    with tempfile.TemporaryDirectory(prefix="rigsim-matcher-") as folder:
+    with guard.temporary_folder("rigsim-matcher-") as folder:
         paths = {
             "{left}": Path(folder, "left.png"),
             "{right}": Path(folder, "right.png"),
@@ -121,12 +120,16 @@ def _load_answer(content: bytes, spec: str) -> Any:
 
 
 def _load_disparity(path: Path, name: str) -> Any:
-    content = path.read_bytes()
+    try:
+        content = foreign.read_bytes(path, "a PFM or NPY file", follow=False)
+    except OutputError as error:
+        why = str(error).partition(": ")[2]
+        raise MeasurementFailed(f"matcher {name}: what it left at {{out}} {why}") from None
     try:
         if content.startswith(b"\x93NUMPY"):
-            return np.load(io.BytesIO(content), allow_pickle=False)
+            return foreign.parse_npy(content, "{out}")
         return parse_pfm(content)
-    except (InvalidImage, ValueError, EOFError):
+    except (InvalidImage, ValueError, EOFError, OverflowError, MemoryError):
         raise MeasurementFailed(f"matcher {name} wrote a file that is neither PFM nor NPY") from None
 
 
@@ -150,22 +153,19 @@ def _one_line(error: BaseException) -> str:
 def _answer(task: bytes) -> tuple[str, Any]:
     """Import and call the function of a task; what goes wrong is an answer too."""
     spec, left, right, rig = pickle.loads(task)
-    module_name, _, function_name = spec.partition(":")
     try:
-        function: Any = importlib.import_module(module_name)
-        for part in function_name.split("."):
-            function = getattr(function, part)
-    except Exception as error:
+        function: Any = strangers.find(spec)
+    except (Exception, SystemExit) as error:
         return "error", f"cannot be imported: {_one_line(error)}"
     try:
-        return "found", np.asarray(function(left, right, rig))
-    except Exception as error:
+        answer = np.asarray(function(left, right, rig))
+    except (Exception, SystemExit) as error:
         return "error", f"raised {_one_line(error)}"
+    if answer.dtype.kind not in "biuf":
+        return "error", f"returned {answer.dtype}: must be real numbers (H, W), px"
+    return "found", answer
 
 
-def _main(task: str, answer: str) -> None:
+def serve(task: str, answer: str) -> None:
+    """Be the process of `run_named`."""
     Path(answer).write_bytes(pickle.dumps(_answer(Path(task).read_bytes())))
-
-
-if __name__ == "__main__":
-    _main(*sys.argv[1:])

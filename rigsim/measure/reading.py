@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from rigsim.errors import InvalidImage, OutputError
+from rigsim import foreign
+from rigsim.errors import InvalidImage
 from rigsim.measure.images import AnyImage
 from rigsim.measure.opencv import load_cv2
 
@@ -20,10 +21,8 @@ def read_image(path: str | Path) -> AnyImage:
         MeasurementFailed: OpenCV is not installed.
     """
     cv2 = load_cv2()
-    try:
-        content = Path(path).read_bytes()
-    except OSError as error:
-        raise OutputError(f"{path}: {error.strerror or error}") from None
+    content = foreign.read_bytes(path, "a picture (PNG, TIFF or JPEG)")
+    foreign.check_pixels(content, path)
     # the file's own orientation tag is ignored: a calibration is the sensor's, not the viewer's
     image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED) if content else None
     if image is None:

@@ -6,6 +6,7 @@ import contextlib
 import multiprocessing
 import os
 import signal
+import threading
 from collections.abc import Generator, Iterable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -41,7 +42,8 @@ def _run_in_processes(rigs: Iterable[StereoRig], plan: Plan, jobs: int, backend:
     with _one_thread_each():
         try:
             for rig in rigs:
-                waiting.append(pool.submit(_run, rig))
+                with _no_interrupts():  # a process that is still starting has no answer to Ctrl-C
+                    waiting.append(pool.submit(_run, rig))
                 if len(waiting) >= _AHEAD * jobs:
                     yield waiting.pop(0).result()
             while waiting:
@@ -51,6 +53,9 @@ def _run_in_processes(rigs: Iterable[StereoRig], plan: Plan, jobs: int, backend:
                 "a worker process died (out of memory, or the script lacks "
                 "`if __name__ == '__main__':`): use --jobs 1"
             ) from None
+        except BaseException:
+            _end_workers()
+            raise
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
 
@@ -59,6 +64,7 @@ def _open(plan: Plan, backend: str) -> None:
     """Set up one process; Ctrl-C is for the parent to handle."""
     global _worker
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     _worker = (Simulator(plan.scene, plan.mount, backend), plan)
 
 
@@ -66,6 +72,30 @@ def _run(rig: StereoRig) -> Outcome:
     assert _worker is not None
     simulator, plan = _worker
     return run_rig(simulator, rig, plan)
+
+
+def _end_with_parent() -> None:
+    """A parent that was killed wants no answer any more."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    parent.join()
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def _end_workers() -> None:
+    """End all worker processes, whatever they are at."""
+    for child in multiprocessing.active_children():
+        child.kill()
+
+
+@contextlib.contextmanager
+def _no_interrupts() -> Iterator[None]:
+    """Hold Ctrl-C back; processes that are started meanwhile never see it."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextlib.contextmanager

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import importlib
-import os
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import reduce
 from typing import Any, TypeAlias
 
 import numpy as np
 
+from rigsim import strangers
 from rigsim.errors import TriangulatorError
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
@@ -73,21 +70,14 @@ def load(name: str) -> CheckedTriangulator:
     module_name, _, attribute = name.partition(":")
     if not module_name or not attribute:
         raise TriangulatorError(f"triangulator {name!r}: must be written package.module:function")
-    here = os.getcwd()
-    added = here not in sys.path
-    if added:
-        sys.path.append(here)
     try:
-        function = reduce(getattr, attribute.split("."), importlib.import_module(module_name))
+        function = strangers.find(name)
     except AttributeError as error:
         raise TriangulatorError(f"triangulator {name!r}: {first_line(error)}") from error
     except Exception as error:
         raise TriangulatorError(
             f"triangulator {name!r}: cannot import {module_name} ({first_line(error)})"
         ) from error
-    finally:
-        if added and here in sys.path:
-            sys.path.remove(here)
     if not callable(function):
         raise TriangulatorError(
             f"triangulator {name!r}: {attribute} is a {type(function).__name__}, not a function"

@@ -151,6 +151,7 @@ class IsolatedTriangulator:
         self._connection.send(question)
         end = time.monotonic() + timeout_s
         while not self._connection.poll(max(0.0, min(_LOOK_S, end - time.monotonic()))):
+            programs.trim(self._process)
             if programs.ends_within(self._process, 0.0) and not self._connection.poll():
                 raise EOFError
             if time.monotonic() >= end:
@@ -181,8 +182,6 @@ def serve() -> None:
     connection: Connection[Any, Any] = Connection(descriptor)
     name, timeout_s = connection.recv()
     sys.argv[1:] = []
-    # now that all of rigsim is loaded, the working folder comes first, as for a script: test:f is test.py's
-    sys.path.insert(0, os.getcwd())
     try:
         function = load(name)
     except TriangulatorError as error:

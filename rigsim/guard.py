@@ -1,0 +1,81 @@
+"""What must end with this process, even if it is killed: programs it started, and temporary folders.
+
+A guardian process (`rigsim._guardian`) is started with the first of them and ends by itself.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import IO
+
+from rigsim import _guardian
+
+_guardians: dict[int, IO[bytes]] = {}
+"""Where they listen, by the process they guard: one that was forked needs its own."""
+
+
+def keep(kind: str, what: str) -> None:
+    """Have `what` ended with this process: a ``family`` by its mark, or a ``path``."""
+    _tell("keep", kind, what)
+
+
+def let_go(kind: str, what: str) -> None:
+    """It has ended, or may stay."""
+    if os.getpid() in _guardians:
+        _tell("let go", kind, what)
+
+
+@contextlib.contextmanager
+def temporary_folder(prefix: str) -> Iterator[Path]:
+    """A temporary folder that is removed at the end of the block, and when this process is killed.
+
+    Raises:
+        OSError: it cannot be made.
+    """
+    folder = tempfile.mkdtemp(prefix=prefix)
+    keep("path", folder)
+    try:
+        yield Path(folder)
+    finally:
+        _guardian.remove(folder)
+        let_go("path", folder)
+
+
+def _tell(*message: str) -> None:
+    """A guardian that has gone, or cannot be had, is no reason to fail."""
+    guardian = _guardians.get(os.getpid())
+    if guardian is None:
+        with contextlib.suppress(OSError, subprocess.SubprocessError):
+            guardian = _guardians[os.getpid()] = _start()
+    if guardian is not None:
+        with contextlib.suppress(OSError, ValueError):
+            guardian.write(json.dumps(message).encode() + b"\n")
+            guardian.flush()
+
+
+def _start() -> IO[bytes]:
+    theirs, ours = os.pipe()
+    try:
+        # a session of its own: Ctrl-C and a killed process group are not for it
+        subprocess.run(
+            [sys.executable, "-I", "-S", _guardian.__file__],
+            stdin=theirs,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+            cwd="/",
+            check=True,
+        )
+    except BaseException:
+        os.close(ours)
+        raise
+    finally:
+        os.close(theirs)
+    return open(ours, "wb", buffering=0)
