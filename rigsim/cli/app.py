@@ -116,7 +116,7 @@ def _check_words(words: list[str]) -> None:
     """
     if sys.stdout is None and "--json" in words:
         raise OutputError("standard output is closed: leave it open, --json prints there")
-    for option, value in zip(words, [*words[1:], "?"], strict=True):
+    for option, value in zip(words, [*words[1:], "?"], strict=False):
         name, equals, rest = option.partition("=")
         if name.startswith("--") and (value == "" if not equals else rest == ""):
             raise InvalidRange(f"{name}: its value is empty: give one (is a variable of the shell not set?)")
