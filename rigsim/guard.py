@@ -13,12 +13,11 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import IO
 
 from rigsim import _guardian
 
-_guardians: dict[int, IO[bytes]] = {}
-"""Where they listen, by the process they guard: one that was forked needs its own."""
+_guardians: dict[int, int] = {}
+"""The descriptor at which each listens, by the process they guard: one that was forked needs its own."""
 
 
 def keep(kind: str, what: str) -> None:
@@ -55,12 +54,11 @@ def _tell(*message: str) -> None:
         with contextlib.suppress(OSError, subprocess.SubprocessError):
             guardian = _guardians[os.getpid()] = _start()
     if guardian is not None:
-        with contextlib.suppress(OSError, ValueError):
-            guardian.write(json.dumps(message).encode() + b"\n")
-            guardian.flush()
+        with contextlib.suppress(OSError):
+            os.write(guardian, json.dumps(message).encode() + b"\n")
 
 
-def _start() -> IO[bytes]:
+def _start() -> int:
     theirs, ours = os.pipe()
     try:
         # a session of its own: Ctrl-C and a killed process group are not for it
@@ -78,4 +76,4 @@ def _start() -> IO[bytes]:
         raise
     finally:
         os.close(theirs)
-    return open(ours, "wb", buffering=0)
+    return ours
