@@ -60,7 +60,7 @@ def read_bytes(
             raise OutputError(f"{path}: is a link: must be a file of its own") from None
         if error.errno == errno.EISDIR:
             raise OutputError(f"{path}: is a folder: name {what}") from None
-        raise OutputError(f"{path}: cannot be read ({error.strerror or error}); name {what}") from None
+        raise OutputError(f"{path}: {error.strerror or error}; name {what}") from None
     except ValueError as error:  # a null character in the name
         raise OutputError(f"{str(path)!r}: cannot be read ({error}); name {what}") from None
     if len(content) > limit_bytes:
@@ -73,13 +73,15 @@ def read_text(path: str | Path, what: str, limit_bytes: int = TEXT_BYTES) -> str
     """The text of a regular file in UTF-8, without a byte order mark.
 
     Raises:
-        OutputError: as `read_bytes`, or it is no text.
+        OutputError: as `read_bytes`.
+        UnicodeDecodeError: it is no text.
     """
+    if os.path.isdir(path) or not os.access(path, os.R_OK):
+        reason = errno.EISDIR if os.path.isdir(path) else errno.EACCES
+        reason = reason if os.path.exists(path) else errno.ENOENT
+        raise OutputError(f"{path}: cannot be read ({os.strerror(reason)}); name {what}")
     content = read_bytes(path, what, limit_bytes)
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise OutputError(f"{path}: is not UTF-8 text: name {what}") from None
+    return content.decode("utf-8-sig")
 
 
 def check_pixels(content: bytes, name: str | Path) -> None:
@@ -120,7 +122,7 @@ def parse_npy(content: bytes, name: str | Path) -> npt.NDArray[np.generic]:
         shape, _, dtype = read(file)
         held = len(content) - file.tell()
         if dtype.kind not in "biuf":
-            raise InvalidImage(f"{name}: an NPY file of {dtype}: must be real numbers")
+            raise InvalidImage(f"{name}: no NPY file of numbers ({dtype}): must be real numbers")
         if prod(shape) * dtype.itemsize != held:
             raise InvalidImage(
                 f"{name}: its header promises {prod(shape) * dtype.itemsize} bytes of numbers, it has {held}"

@@ -387,7 +387,7 @@ def test_a_rendered_pair_is_measured_where_it_was_rendered(
     with (out / "matches.csv").open() as file:
         rows = list(csv.DictReader(file))
     off = [
-        float(row["z_mm"]) / 1e3 / depth[int(float(row["v_left_px"])), int(float(row["u_left_px"]))] - 1
+        float(row["z_mm"]) / 1e3 / depth[round(float(row["v_left_px"])), round(float(row["u_left_px"]))] - 1
         for row in rows
     ]
     assert np.isfinite(off).sum() > 100  # the sky has no depth

@@ -155,12 +155,12 @@ def test_the_depth_table_is_that_of_the_best_row(result: SweepResult) -> None:
 
 def test_the_rig_is_told_in_its_parameters(result: SweepResult) -> None:
     told = {row.cells[0]: row.cells[1:3] for row in rig_table(result).rows}
-    assert told["Baseline"] == ("500", "mm")
+    assert told["Baseline"] == ("400", "mm")  # at 500 mm both see under 80 % of what they see at 100 mm
     assert told["Image size"] == ("1280 × 720", "px")
     assert told["Focal length"] == ("900", "px")
     assert told["Pixel noise"] == ("0.25", "px")
     assert told["Disparity noise"] == ("0.354", "px")
-    assert told["Nearest overlap"] == ("352", "mm")  # f B / W = 900 * 500 / 1280
+    assert told["Nearest overlap"] == ("281", "mm")  # f B / W = 900 * 400 / 1280
     assert "Principal offset" not in told
     verged = {row.cells[0]: row.cells[1] for row in rig_table(make_result((120,), vergences_deg=(6,))).rows}
     assert verged["Vergence"] == "6"
@@ -185,17 +185,17 @@ def test_the_three_witnesses_stand_side_by_side_after_the_verdict(measured: Swee
     ]
     assert cells["Its prediction"][2] == fmt.length_mm(best["predicted_from_measured_rmse_mm"])
     assert cells["Ratio"][2].startswith(fmt.ratio(best["measured_over_predicted"]))
-    assert cells["Pixel noise"] == ["0.25 px, given", "0.25 px, given", "0.0052 px, found"]
+    assert cells["Pixel noise"] == ["0.25 px, given", "0.25 px, given", "0.0050 px, found"]
     assert cells["Points"][2] == f"{best['measured_n']}, 1.2 % outliers"
     assert cells["Verdict"] == ["–", "✓ agrees", "✓ agrees"]
     assert "Three witnesses agree" in page.text
-    assert "corresponds to --noise 0.0052." in page.text
+    assert "corresponds to --noise 0.005." in page.text
 
 
 def test_the_measured_columns_have_a_heading_of_their_own_and_show_the_frame(measured: SweepResult) -> None:
     for table, rows in (
         (all_rows(measured), measured.rows),
-        (best_by_depth(measured), measured.by_depth[measured.by_depth["baseline_mm"] == 500]),
+        (best_by_depth(measured), measured.by_depth[measured.by_depth["baseline_mm"] == 400]),
     ):
         assert sum(span for _, span in table.groups) == len(table.headings)
         heading, span = next(group for group in table.groups if "measured" in group[0])

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from rigsim import foreign
-from rigsim.errors import InvalidRange
+from rigsim.errors import InvalidRange, OutputError
 from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.infer import CONFIDENCE, FEWEST, DepthErrors, Inference, Transfer
@@ -30,7 +30,10 @@ def read_depth_errors(path: Path) -> DepthErrors:
         InvalidRange: a column is missing, a value is no number or out of bounds, or there are fewer than
             three distances; the message names file, line and column.
     """
-    text = foreign.read_text(path, "a CSV file")
+    try:
+        text = foreign.read_text(path, "a CSV file")
+    except UnicodeDecodeError:
+        raise OutputError(f"{path}: is not CSV (not UTF-8 text)") from None
     reader = csv.reader(text.splitlines())
     head = [name.strip() for name in next(reader, [])]
     for name in _NEEDED:

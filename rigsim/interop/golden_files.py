@@ -49,7 +49,7 @@ def read_golden(folder: Path, names: Iterable[str]) -> tuple[list[Record], list[
             continue
         try:
             records.append(_read(path))
-        except OutputError as error:
+        except (OutputError, UnicodeDecodeError) as error:
             troubles.append(str(error))
     return records, troubles
 
@@ -68,7 +68,7 @@ def _text(record: Record) -> str:
 def _read(path: Path) -> Record:
     try:
         text = foreign.read_text(path, "a golden file")
-    except OutputError as error:
+    except (OutputError, UnicodeDecodeError) as error:
         raise OutputError(f"golden file {error}; {_AGAIN}") from None
     body, mark, checksum = text.rpartition("# sha256 ")
     if not mark:

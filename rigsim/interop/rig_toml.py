@@ -47,7 +47,6 @@ from typing import TYPE_CHECKING, TypeVar
 from rigsim import foreign
 from rigsim.errors import InvalidRig
 from rigsim.interop.rig_schema import LARGEST, perturbation_from_table, rig_from_table, sensor_from_table
-from rigsim.interop.values import clipped
 from rigsim.rig import given
 from rigsim.rig.arrays import Array
 from rigsim.rig.distortion import BrownConrady
@@ -138,7 +137,10 @@ def write_rig(rig: StereoRig, comment: str = "", sensor: Sensor | None = None) -
 
 
 def _read(path: Path, parse: Callable[[str], _T]) -> _T:
-    text = foreign.read_text(path, "a rig.toml")
+    try:
+        text = foreign.read_text(path, "a rig.toml")
+    except UnicodeDecodeError:
+        raise InvalidRig(f"{path}: is not TOML (not UTF-8 text)") from None
     try:
         return parse(text)
     except InvalidRig as error:
@@ -153,7 +155,7 @@ def _table(text: str) -> dict[str, object]:
     except RecursionError:
         raise InvalidRig("is not TOML that can be meant: brackets are nested too deep") from None
     except ValueError as error:
-        raise InvalidRig(f"is not TOML: {clipped(str(error))}") from None
+        raise InvalidRig(f"is not TOML: {' '.join(str(error).split())[:200]}") from None
 
 
 def _short_text(rig: StereoRig) -> str | None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from rigsim import foreign
-from rigsim.errors import InvalidRig
+from rigsim.errors import InvalidRig, OutputError
 from rigsim.rig.arrays import Array
 from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.intrinsics import Intrinsics
@@ -41,7 +41,10 @@ def read_text(path: Path) -> str:
     Raises:
         OutputError: it cannot be read, or is no text.
     """
-    return foreign.read_text(path, "a calibration file")
+    try:
+        return foreign.read_text(path, "a calibration file")
+    except UnicodeDecodeError:
+        raise OutputError(f"{path}: is no calibration (not UTF-8 text)") from None
 
 
 def member(table: object, key: str, owner: str = "") -> object:
