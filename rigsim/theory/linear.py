@@ -10,6 +10,7 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.theory.blocks import blocks
 
 _BLOCK = 8192
+_FARTHEST = 1 / (16 * np.finfo(np.float64).eps)  # baselines
 
 
 def triangulate_dlt(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
@@ -54,9 +55,11 @@ def triangulate_midpoint(rig: StereoRig, uv_left: Array, uv_right: Array) -> Arr
 
 
 def in_front(rig: StereoRig, points_left: Array) -> Array:
-    """`points_left` (N, 3) with NaN in place of those that are not finite or not in front of both cameras."""
+    """`points_left` (N, 3) with NaN in place of those that are not in front of both cameras, or so far that
+    rounding makes all their parallax."""
     depth_right = points_left @ rig.right_from_left.R[2] + rig.right_from_left.t[2]
-    good = (points_left[:, 2] > 0) & (depth_right > 0) & np.isfinite(points_left).all(axis=1)
+    near = np.abs(points_left).max(axis=1, initial=0.0) < _FARTHEST * rig.baseline_m
+    good = (points_left[:, 2] > 0) & (depth_right > 0) & near
     return np.where(good[:, None], points_left, np.nan)
 
 
