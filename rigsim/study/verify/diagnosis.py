@@ -11,7 +11,7 @@ from rigsim.study.verify.conditions import set_apart
 from rigsim.study.verify.evidence import Evidence, gather
 from rigsim.study.verify.mistake import Mistake
 from rigsim.study.verify.mistakes import LIBRARY
-from rigsim.study.verify.mistakes_fitted import fitted
+from rigsim.study.verify.mistakes_fitted import fitted, kept
 from rigsim.study.verify.reenact import QUICK, SOLVERS, Solver, behind
 from rigsim.study.verify.result import CaseResult, Diagnosis
 from rigsim.study.verify.symptoms import symptoms
@@ -61,6 +61,8 @@ def _reenacted(results: Sequence[CaseResult]) -> list[tuple[float, Diagnosis]]:
     shortlist = [LIBRARY[-i] for _, i in screened[:_SHORTLIST]]
     many = gather(results, _JUDGED_ROWS)
     trials = [_Trial(many, mistake, SOLVERS) for mistake in (*shortlist, *fitted(many, results))]
+    if max(trial.score for trial in trials) < _CONVINCING:
+        trials += [_Trial(many, mistake, SOLVERS) for mistake in kept(many, results)]
     return [(trial.score, trial.diagnosis) for trial in trials]
 
 

@@ -220,10 +220,9 @@ def _stale(evidence: Evidence, results: Sequence[CaseResult]) -> Iterator[Mistak
             return other
 
         yield Mistake("stale-rig", says.format(what), stale, cost=0.004)
-    yield from _kept(evidence, results)
 
 
-def _kept(evidence: Evidence, results: Sequence[CaseResult]) -> Iterator[Mistake]:
+def kept(evidence: Evidence, results: Sequence[CaseResult]) -> Iterator[Mistake]:
     """The rig of whichever earlier call explains a failing case best: a cache with too short a key."""
     place = {id(result): i for i, result in enumerate(results)}
     answers = evidence.right.copy()
@@ -241,9 +240,9 @@ def _kept(evidence: Evidence, results: Sequence[CaseResult]) -> Iterator[Mistake
             apart = np.linalg.norm(points - found, axis=1) / np.linalg.norm(found, axis=1)
             if np.isfinite(apart).any() and float(np.nanmedian(apart)) < best:
                 best, whose = float(np.nanmedian(apart)), earlier.case.name
-                kept = points
+                nearest = points
         if best < _KEPT_SAME:
-            answers[mine] = kept
+            answers[mine] = nearest
             told.append(f"'{result.case.name}' with that of '{whose}'")
     if told:
         yield Mistake(

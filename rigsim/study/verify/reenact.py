@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from types import MappingProxyType
 from typing import TypeAlias
 
@@ -33,9 +34,11 @@ def by_lens(xy: Array, bend: Array, apply: Callable[[BrownConrady, Array], Array
     # rows of one lens stand together
     ends = np.flatnonzero((np.diff(bend[bent], axis=0) != 0).any(axis=1)) + 1
     for rows in np.split(bent, ends) if bent.size else ():
-        result[rows] = apply(BrownConrady(*bend[rows[0]]), xy[rows])
+        result[rows] = apply(_lens(*bend[rows[0]].tolist()), xy[rows])
     return result
 
+
+_lens = lru_cache(256)(BrownConrady)  # the same few lenses are asked for again and again
 
 Undo: TypeAlias = Callable[[Array, Array], Array]
 """``(distorted (N, 2), bend (N, 5)) -> ideal (N, 2)``, normalised coordinates."""
