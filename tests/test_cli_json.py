@@ -119,12 +119,12 @@ def test_scenes_leave_out_what_nobody_published(capsys: pytest.CaptureFixture[st
 
 def test_a_sweep_says_what_its_tables_say(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     said = answer(capsys, "sweep", f"{SWEEP} --out out")
-    empty = {"agreement_witness": ""}
-    table = pd.read_csv(tmp_path / "out" / "sweep.csv").fillna(empty)
+    words, empty = {"agreement_witness": object}, {"agreement_witness": ""}
+    table = pd.read_csv(tmp_path / "out" / "sweep.csv", dtype=words).fillna(empty)
     rows = pd.DataFrame(said["rows"])[list(ROW_COLUMNS)].fillna(math.nan)
     pd.testing.assert_frame_equal(rows, table, check_dtype=False, rtol=1e-9)
     by_depth = pd.DataFrame(said["by_depth"])[list(DEPTH_COLUMNS)].fillna(math.nan)
-    written = pd.read_csv(tmp_path / "out" / "sweep_by_depth.csv").fillna(empty)
+    written = pd.read_csv(tmp_path / "out" / "sweep_by_depth.csv", dtype=words).fillna(empty)
     pd.testing.assert_frame_equal(by_depth, written, check_dtype=False, rtol=1e-9)
     assert said["written"]["folder"] == "out"
     assert said["written"]["files"] == sorted(path.name for path in (tmp_path / "out").iterdir())

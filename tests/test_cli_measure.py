@@ -391,7 +391,8 @@ def test_a_rendered_pair_is_measured_where_it_was_rendered(
         for row in rows
     ]
     assert np.isfinite(off).sum() > 100  # the sky has no depth
-    assert abs(np.nanmedian(off)) < 1e-3
+    # at 7.4 m the disparity is 6 px: 2e-3 are 0.012 px, of which curved bark takes 0.008
+    assert abs(np.nanmedian(off)) < 2e-3
     assert np.nanmedian(np.abs(off)) < 5e-3
 
 

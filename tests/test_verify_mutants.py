@@ -105,9 +105,13 @@ def test_the_right_ones_pass(name: str) -> None:
 @pytest.mark.parametrize("mutant", ALWAYS, ids=[mutant.name for mutant in ALWAYS])
 def test_no_mutant_passes(mutant: Mutant) -> None:
     share = FALSE_ALARM / sum(statistical_checks(case) for case in quick())
-    statuses = (run_case(case, mutant.name, mutant.function, share).status() for case in quick())
+    statuses = [run_case(case, mutant.name, mutant.function, share).status() for case in quick()]
+    assert "error" not in statuses or not mutant.only_strict
     if mutant.only_strict:
-        assert set(statuses) == {"passed", "inefficient"}
+        # cameras that look from two sides make more than half again as much of it: there it fails
+        wide = {"convergent noisy", "from the side noisy"}
+        failed = {case.name for case, status in zip(quick(), statuses, strict=True) if status == "failed"}
+        assert failed <= wide
     else:
         assert any(status in ("failed", "error") for status in statuses)
 
