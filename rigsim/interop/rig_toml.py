@@ -47,7 +47,6 @@ from typing import TYPE_CHECKING, TypeVar
 from rigsim import foreign
 from rigsim.errors import InvalidRig
 from rigsim.interop.rig_schema import LARGEST, perturbation_from_table, rig_from_table, sensor_from_table
-from rigsim.interop.values import clipped
 from rigsim.rig import given
 from rigsim.rig.arrays import Array
 from rigsim.rig.distortion import BrownConrady
@@ -59,6 +58,7 @@ if TYPE_CHECKING:
     from rigsim.measure.sensor import Sensor
 
 _T = TypeVar("_T")
+_MOST_DOTS = 1000  # of a line: keys within keys take the parser the square of that
 
 _PREAMBLE = """\
 # rigsim stereo rig. Lengths in mm, angles in deg, the rest in px; integer pixel = pixel centre.
@@ -146,6 +146,8 @@ def _read(path: Path, parse: Callable[[str], _T]) -> _T:
 
 
 def _table(text: str) -> dict[str, object]:
+    if any(line.count(".") > _MOST_DOTS for line in text.splitlines()):
+        raise InvalidRig(f"is not TOML that can be meant: a line with more than {_MOST_DOTS} points")
     try:
         return tomllib.loads(text, parse_float=Decimal)
     except ArithmeticError:
@@ -153,7 +155,7 @@ def _table(text: str) -> dict[str, object]:
     except RecursionError:
         raise InvalidRig("is not TOML that can be meant: brackets are nested too deep") from None
     except ValueError as error:
-        raise InvalidRig(f"is not TOML: {clipped(str(error))}") from None
+        raise InvalidRig(f"is not TOML: {' '.join(str(error).split())[:200]}") from None
 
 
 def _short_text(rig: StereoRig) -> str | None:

@@ -51,6 +51,7 @@ BUILT_RIGS = Extent(
     "rigs", 1_000_000, least=2, bytes_each=400, way_out="a million give a yield to a tenth of a percent"
 )
 JUDGED_POINTS = Extent("points", 100_000, bytes_each=2000)
+DISTANCES = Extent("number of rows", 10_000, way_out="give one row a distance, with its n")
 CAMERAS = Extent("number of cameras", 10_000, way_out="take fewer values of --lens or --resolution")
 
 
