@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from rigsim.cli import quantity
 from rigsim.cli.app import run
-from rigsim.errors import InvalidRange, InvalidRig
+from rigsim.errors import InvalidRange, InvalidRig, MeasurementFailed
 from rigsim.interop.rig_toml import parse_rig
 from rigsim.interop.values import number, shown
 from rigsim.interop.yaml_text import yaml_table
+from rigsim.measure.dense import dense_disparity
 from rigsim.rig import extent
+from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.stereo import StereoRig
 
 REFUSED = [
     ("tolerance --rigs 100000000 --preset boards", "rigs 100000000, about 40 GB: must be <= 1,000,000"),
@@ -137,3 +141,11 @@ def test_tables_that_nobody_can_mean(
     assert said in told
     assert told.count("\n") == 1
     assert len(told) < 500
+
+
+def test_a_disparity_that_no_picture_holds() -> None:
+    """Its picture took it for a place in a table of colours."""
+    pictures = np.random.default_rng(0).integers(0, 256, (2, 48, 64), dtype=np.uint8)
+    rig = StereoRig.rectified(Intrinsics.from_focal(64, 48, 60.0), 0.1)
+    with pytest.raises(MeasurementFailed, match=r"a disparity of 1e\+308 px: must be within \+-1e\+06 px"):
+        dense_disparity(*pictures, rig, matcher=lambda left, right, rig: np.full(left.shape[:2], 1e308))
