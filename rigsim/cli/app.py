@@ -52,6 +52,10 @@ app.command()(doctor)
 _UsageError = cast(type[Exception], typer.BadParameter.__bases__[0])
 
 
+_OF_A_NAME = frozenset({errno.ENAMETOOLONG, errno.ELOOP, errno.EACCES, errno.EPERM})
+"""What a path that the user named may be refused for, wherever it is first looked at."""
+
+
 def _print_version(wanted: bool) -> None:
     if wanted:
         typer.echo(f"rigsim {__version__}")
@@ -92,6 +96,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
         _drop_output()  # the reader has gone: nothing to say
         return 1
     except OSError as error:
+        if error.errno in _OF_A_NAME and error.filename is not None:
+            return _fail(f"{str(error.filename)[:300]}: {error.strerror}; name another one", 1)
         if error.errno != errno.ENOSPC:
             if ends.NO_NET in os.environ:
                 raise

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from rigsim.cli import quantity
 from rigsim.errors import InvalidRange, InvalidRig
+from rigsim.rig import extent
 
 if TYPE_CHECKING:
     from rigsim.measure.sensor_presets import SensorPreset
@@ -105,6 +106,7 @@ def cameras(resolution: str | None, sensor: str | None, lens: str | None, fov: s
     if resolution is not None and sensor is not None:
         raise InvalidRange("--resolution and --sensor both given: a sensor has its own resolution, give one")
     unit, lenses = _lenses(lens)
+    extent.CAMERAS.check(max(1, len(lenses)))
     if sensor is not None and unit in ("", "mm"):
         return [
             _behind(chip, mm * 1e3 / chip.pitch_um) for chip in _chips(sensor) for mm in (lenses or LENSES_MM)

@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
+from math import lcm
 from types import MappingProxyType
 
 from rigsim.errors import InvalidRange
@@ -94,9 +95,9 @@ def values(text: str, kind: Kind) -> tuple[float, ...]:
     """
     if ":" not in text:
         listed = tuple(_bounded(part, kind) for part in _parts(text.split(","), kind))
-        for place, item in enumerate(listed):
-            if item in listed[:place]:
-                raise InvalidRange(f"{kind.name} {text}: {_say(item, kind)} stands there twice; remove one")
+        if len(set(listed)) < len(listed):
+            twice = next(item for place, item in enumerate(listed) if item in listed[:place])
+            raise InvalidRange(f"{kind.name} {text}: {_say(twice, kind)} stands there twice; remove one")
         return listed
     if "," in text:
         raise InvalidRange(f"{kind.name} {text}: a range or a list, not both; write a:b or a,b,c")
@@ -224,7 +225,11 @@ def _spread(start: Fraction, stop: Fraction, count: int, text: str, kind: Kind) 
         raise InvalidRange(f"{kind.name} {text}: {count} values, must be <= {MAX_VALUES}; take a longer step")
     _bounded(start, kind)
     _bounded(stop, kind)
-    return tuple(float(start + (stop - start) * i / (count - 1)) for i in range(count))
+    # one denominator for all: a quotient of whole numbers is rounded as exactly, and much sooner
+    step = (stop - start) / (count - 1)
+    whole = lcm(start.denominator, step.denominator)
+    first, more = int(start * whole), int(step * whole)
+    return tuple((first + more * i) / whole for i in range(count))
 
 
 def _parts(texts: Sequence[str], kind: Kind) -> list[Fraction]:

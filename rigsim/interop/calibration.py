@@ -5,6 +5,7 @@ A file is known by its name's ending and by what it says, a folder by the names 
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -128,7 +129,7 @@ def _sides_exchanged(rig: StereoRig) -> bool:
 
 def _found(path: Path) -> Path:
     """The file itself, or the one calibration in a folder."""
-    if not path.is_dir():
+    if not os.path.isdir(path):  # unlike Path's, it takes names of any length
         return path
     found = [name for name in _IN_FOLDERS if (path / name).is_file()]
     if not found:
@@ -160,7 +161,7 @@ def _yaml(path: Path) -> StereoRig:
 
     if path.name in ROS_NAMES:
         return _ros(path.parent)
-    if path.is_file() and _ROS.search(read_text(path)):
+    if os.path.isfile(path) and _ROS.search(read_text(path)):
         raise InvalidRig(
             f"{path}: camera_info of one camera; name both {' and '.join(ROS_NAMES)}, side by side"
         )

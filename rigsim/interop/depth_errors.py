@@ -11,6 +11,8 @@ import numpy as np
 
 from rigsim import foreign
 from rigsim.errors import InvalidRange, OutputError
+from rigsim.interop.values import clipped
+from rigsim.rig import extent
 from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.infer import CONFIDENCE, FEWEST, DepthErrors, Inference, Transfer
@@ -34,23 +36,29 @@ def read_depth_errors(path: Path) -> DepthErrors:
         text = foreign.read_text(path, "a CSV file")
     except UnicodeDecodeError:
         raise OutputError(f"{path}: is not CSV (not UTF-8 text)") from None
-    reader = csv.reader(text.splitlines())
-    head = [name.strip() for name in next(reader, [])]
+    try:
+        reader = csv.reader(text.splitlines())
+        # every row at once: what the reader cannot split is found here
+        rows = [(reader.line_num, row) for row in reader]
+    except csv.Error as error:
+        raise InvalidRange(f"{path}: is no CSV that can be meant: {error}") from None
+    extent.DISTANCES.check(max(1, len(rows)))
+    head = [name.strip() for name in rows[0][1]] if rows else []
     for name in _NEEDED:
         if name not in head:
-            found = ", ".join(head) or "nothing"
+            found = clipped(", ".join(head)) or "nothing"
             raise InvalidRange(
                 f"{path}: column {name} is missing (found {found}); the first line must name"
                 f" {', '.join(_NEEDED)}, and may name {', '.join(_OPTIONAL)}"
             )
     columns: dict[str, list[float]] = {name: [] for name in (*_NEEDED, *_OPTIONAL) if name in head}
-    for row in reader:
+    for line, row in rows[1:]:
         if not any(cell.strip() for cell in row):
             continue
         for name, values in columns.items():
             place = head.index(name)
             cell = row[place].strip() if place < len(row) else ""
-            values.append(_number(cell, name, f"{path}, line {reader.line_num}"))
+            values.append(_number(cell, name, f"{path}, line {line}"))
     count = len(columns["distance_mm"])
     if count < FEWEST:
         raise InvalidRange(

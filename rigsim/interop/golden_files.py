@@ -91,7 +91,7 @@ def _read(path: Path) -> Record:
             )
             for row in rows
         )
-    except (KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError, csv.Error) as error:
         raise OutputError(f"golden file {path}: cannot be read ({error}); {_AGAIN}") from None
     return Record(path.stem, about, numbers)
 

@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
 from rigsim.errors import InvalidRig
+from rigsim.interop.values import clipped, shown
 from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.perturbation import Perturbation
@@ -276,7 +277,7 @@ def _explained(error: ValidationError, form: type[_Table]) -> str:
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)[1:]
     if found["type"] == "extra_forbidden":
         known = _known_keys(form, [str(part) for part in path[:-1]])
-        return f"unknown key {key}: must be one of {', '.join(known)}"
+        return f"unknown key {clipped(key)}: must be one of {', '.join(known)}"
     if found["type"] == "missing":
         return f"{key} is missing: add it"
     return f"{key} {_clipped(found['input'])}: {_bound(found)}"
@@ -306,9 +307,13 @@ def _bound(found: Mapping[str, Any]) -> str:
     return str(found["msg"])
 
 
+def _quoted(value: object) -> str:
+    return repr(value) if isinstance(value, str) else shown(value)
+
+
 def _clipped(value: object) -> str:
     if isinstance(value, list):
         text = f"[{', '.join(_clipped(item) for item in value)}]"
     else:
-        text = str(value) if isinstance(value, Decimal) else repr(value)
+        text = str(value) if isinstance(value, Decimal) else _quoted(value)
     return text if len(text) <= 40 else text[:37] + "..."

@@ -58,6 +58,7 @@ if TYPE_CHECKING:
     from rigsim.measure.sensor import Sensor
 
 _T = TypeVar("_T")
+_MOST_DOTS = 1000  # of a line: keys within keys take the parser the square of that
 
 _PREAMBLE = """\
 # rigsim stereo rig. Lengths in mm, angles in deg, the rest in px; integer pixel = pixel centre.
@@ -148,6 +149,8 @@ def _read(path: Path, parse: Callable[[str], _T]) -> _T:
 
 
 def _table(text: str) -> dict[str, object]:
+    if any(line.count(".") > _MOST_DOTS for line in text.splitlines()):
+        raise InvalidRig(f"is not TOML that can be meant: a line with more than {_MOST_DOTS} points")
     try:
         return tomllib.loads(text, parse_float=Decimal)
     except ArithmeticError:

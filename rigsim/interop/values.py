@@ -76,9 +76,13 @@ def number(value: object, name: str) -> float:
             value = shown(value)
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise InvalidRig(f"{name} {shown(value)}: must be a number")
-    if not (math.isfinite(value) and abs(value) <= _LARGEST):
+    try:
+        value = float(value)
+    except OverflowError:  # a whole number of more than 308 digits
+        value = math.inf
+    if not abs(value) <= _LARGEST:
         raise InvalidRig(f"{name} {value:g}: must be finite and within +-{_LARGEST:g}")
-    return float(value)
+    return value
 
 
 def pixels(value: object, name: str) -> int:
@@ -198,7 +202,10 @@ def opencv_distortion(D: Array, name: str) -> BrownConrady | None:
 
 def shown(value: object) -> str:
     """A value as a message quotes it, whatever its size."""
-    return clipped(value[: 2 * _SHOWN] if isinstance(value, str) else _BRIEF.repr(value))
+    try:
+        return clipped(value[: 2 * _SHOWN] if isinstance(value, str) else _BRIEF.repr(value))
+    except ValueError:  # Python writes no whole number of more than 4300 digits
+        return "a number of thousands of digits"
 
 
 def clipped(text: str) -> str:

@@ -66,7 +66,7 @@ def yaml_table(text: str) -> Mapping[str, object]:
         mark = error.problem_mark
         line = f"line {mark.line + 1}: " if mark is not None else ""
         raise InvalidRig(f"is not YAML: {line}{error.problem or error.context}") from None
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
+    except (yaml.YAMLError, ValueError, RecursionError, AttributeError, TypeError, LookupError) as error:
         if isinstance(error, InvalidRig):
             raise
         raise InvalidRig(f"is not YAML: {' '.join(str(error).split())[:200]}") from None

@@ -24,6 +24,8 @@ _BLOCK = 5
 _SUBPIXEL_STEPS = 16  # OpenCV counts disparities in sixteenths
 _COUNT_STEP = 16  # and searches them by sixteens
 
+_LARGEST_PX = 1e6  # no picture is as wide
+
 
 def dense_disparity(
     image_left: AnyImage,
@@ -167,4 +169,10 @@ def _checked(found: Any, shape: tuple[int, ...], matcher: str | MatcherFunction)
     disparity[~np.isfinite(disparity)] = np.nan
     if np.isnan(disparity).all():
         raise MeasurementFailed(f"matcher {name} returned no finite disparity: nothing is matched")
+    largest = float(np.nanmax(np.abs(disparity)))
+    if largest > _LARGEST_PX:
+        raise MeasurementFailed(
+            f"matcher {name} returned a disparity of {largest:.3g} px: must be within +-{_LARGEST_PX:g} px, "
+            "or NaN where nothing is matched"
+        )
     return disparity

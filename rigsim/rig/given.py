@@ -25,7 +25,10 @@ def real(value: object, name: str, error: type[RigsimError] = InvalidRange) -> f
     if isinstance(value, np.ndarray) and value.size == 1:
         value = value.item()
     if isinstance(value, SupportsFloat) and not isinstance(value, np.ndarray | bool | np.bool_):
-        return float(value)
+        try:
+            return float(value)
+        except OverflowError:
+            raise error(f"{name} {shown(value)}: must be within 1e308") from None
     raise error(f"{name} {shown(value)}: must be a number")
 
 

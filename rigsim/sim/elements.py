@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from typing import Any
-from warnings import WarningMessage
 
 import mujoco
 import numpy as np
@@ -19,9 +18,9 @@ _TEXTURED_GREY = (
 _DEFAULTS = mujoco.MjModel.from_xml_string("<mujoco/>").vis
 
 
-def warned(scene: str, warnings: Iterable[WarningMessage]) -> tuple[Remark, ...]:
+def warned(scene: str, warnings: Iterable[str]) -> tuple[Remark, ...]:
     """Remarks on what MuJoCo warns of when it reads a file."""
-    texts = dict.fromkeys(" ".join(str(each.message).split()) for each in warnings)
+    texts = dict.fromkeys(" ".join(each.split()) for each in warnings)
     said = "; ".join(text.removeprefix("WARNING: ") for text in texts)
     return (Remark("mujoco_warning", f"scene {scene}: MuJoCo warns: {said}"),) if said else ()
 

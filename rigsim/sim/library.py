@@ -30,13 +30,23 @@ def find(scene: str) -> Path:
     if scene in names():
         return models_dir() / scene / "scene.xml"
     path = Path(scene)
-    if path.is_dir() and (path / "scene.xml").is_file():
-        return path / "scene.xml"
-    if path.is_file():
-        return path
+    try:
+        if path.is_dir() and (path / "scene.xml").is_file():
+            return path / "scene.xml"
+        if path.is_file():
+            return path
+        if path.exists():
+            kind = "a folder without a scene.xml" if path.is_dir() else "no regular file"
+            raise InvalidScene(f"{path}: is {kind}: name an MJCF file or a bundled scene")
+    except OSError as error:  # a name that no system takes, a folder that may not be looked into
+        raise InvalidScene(f"scene {_short(scene)!r}: cannot be read ({error.strerror})") from None
     raise InvalidScene(
-        f"unknown scene {scene!r}: no such file, and the bundled scenes are {', '.join(names())}"
+        f"unknown scene {_short(scene)!r}: no such file, and the bundled scenes are {', '.join(names())}"
     )
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 100 else f"{text[:97]}..."
 
 
 def about(name: str) -> str:

@@ -5,7 +5,6 @@ MuJoCo's camera axes (x right, y up, z backward) end in this room; poses that le
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,8 +18,9 @@ from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.pose import Pose
 from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
-from rigsim.sim import around, elements, library
+from rigsim.sim import around, elements, gate, library
 from rigsim.sim.axes import CV_FROM_GL, REP103_FROM_RIG, principal_offset
+from rigsim.sim.declared import declared_boards
 from rigsim.sim.textures import apply_textures
 
 SIDES: tuple[str, str] = ("left", "right")
@@ -172,17 +172,18 @@ def load_scene(scene: str, mount: str | None = None) -> Scene:
         InvalidScene: the file is missing or broken, or the mount is unknown.
     """
     path = library.find(scene)
-    with warnings.catch_warnings(record=True) as warned:
-        warnings.simplefilter("always")
+    gate.check(path)
+    label = path.parent.name if path.name == "scene.xml" else path.stem
+    with gate.passing(path) as warned:
         spec, model = _compile(path)
-    boards = _boards(spec)
-    data = mujoco.MjData(model)
-    if model.nkey:
-        mujoco.mj_resetDataKeyframe(model, data, 0)
-    mujoco.mj_fwdPosition(model, data)
+        boards = declared_boards(spec)
+        data = mujoco.MjData(model)
+        if model.nkey:
+            mujoco.mj_resetDataKeyframe(model, data, 0)
+        mujoco.mj_fwdPosition(model, data)
+    gate.check_numbers(model, data, path)
     kind, name = _choose_mount(model, mount, path)
     world_from_rig = _world_from_mount(model, data, kind, name)
-    label = path.parent.name if path.name == "scene.xml" else path.stem
     remarks = (*elements.warned(label, warned), *elements.left_out(model, label))
     _set_render_limits(model, data, world_from_rig.t)
     around.hide(model, around.never_drawn(model, data))
@@ -202,7 +203,8 @@ def load_scene(scene: str, mount: str | None = None) -> Scene:
 
 def _compile(path: Path) -> tuple[Any, Any]:
     """The file's MjSpec with two cameras, and its MjModel."""
-    spec = _read(path)
+    spec = mujoco.MjSpec.from_file(str(path))
+    gate.check_names(spec)
     for side in SIDES:
         spec.worldbody.add_camera(
             name=_CAMERA.format(side),
@@ -210,37 +212,8 @@ def _compile(path: Path) -> tuple[Any, Any]:
             sensor_size=[1.0, 1.0],
             focal_pixel=[1.0, 1.0],
         )
-    try:
-        apply_textures(spec)
-        return spec, spec.compile()
-    except (ValueError, RuntimeError) as error:
-        if isinstance(error, InvalidScene):
-            raise
-        raise InvalidScene(f"{path}: {_one_line(error)}: mend the file") from None
-
-
-def _read(path: Path) -> Any:
-    if path.suffix.lower() not in {".xml", ".mjcf", ".urdf"}:
-        raise InvalidScene(f"{path}: an MJCF file ends in .xml")
-    try:
-        return mujoco.MjSpec.from_file(str(path))
-    except (ValueError, RuntimeError) as error:
-        raise InvalidScene(f"{path}: {_one_line(error)}: mend the file") from None
-
-
-def _one_line(error: Exception) -> str:
-    return " ".join(str(error).split()).rstrip(".")[:300]
-
-
-def _boards(spec: Any) -> dict[str, dict[str, float]]:
-    boards = {}
-    for text in spec.texts:
-        kind, _, name = text.name.partition(":")
-        if kind == "board":
-            boards[name] = {
-                key: float(value) for key, value in (item.split("=") for item in text.data.split())
-            }
-    return boards
+    apply_textures(spec)
+    return spec, spec.compile()
 
 
 def _names(model: Any, kind: str) -> list[str]:
@@ -251,7 +224,8 @@ def _names(model: Any, kind: str) -> list[str]:
 
 def _choose_mount(model: Any, mount: str | None, path: Path) -> tuple[str, str]:
     known = {kind: _names(model, kind) for kind in ("site", "camera", "body")}
-    choices = ", ".join(f"{kind}:{name}" for kind in known for name in known[kind]) or "nothing has a name"
+    names = [f"{kind}:{name}" for kind in known for name in known[kind]]
+    choices = gate.clipped(", ".join(names)) or "nothing has a name"
     if mount is None:
         for kind in ("site", "camera"):
             if "rig" in known[kind]:

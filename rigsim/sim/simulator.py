@@ -209,6 +209,10 @@ class Simulator:
     @property
     def remarks(self) -> tuple[Remark, ...]:
         """What a person should know of the scene and of the rigs that looked at it, each said once."""
+        from rigsim.sim import elements, gate
+
+        for remark in elements.warned(self.scene.name, gate.heard()):
+            self._remarks.setdefault(remark.text, remark)
         return (*self.scene.remarks, *self._remarks.values())
 
     @property

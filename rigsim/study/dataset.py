@@ -11,6 +11,7 @@ import numpy as np
 from rigsim.errors import InvalidRange, NothingSeen
 from rigsim.measure.images import AnyImage
 from rigsim.measure.sensor import Sensor
+from rigsim.rig import extent
 from rigsim.rig.arrays import Array, Image, Mask
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
@@ -95,8 +96,7 @@ def render_frames(
         InvalidRange: a number out of bounds.
         NothingSeen: the rig sees nothing, or no view within reach sees as much.
     """
-    if count < 1:
-        raise InvalidRange(f"frames {count}: must be >= 1")
+    extent.FRAMES.check(count)
     if seed < 0:
         raise InvalidRange(f"seed {seed}: must be >= 0")
     if not sensor.bits:

@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rigsim.errors import InvalidRange, InvalidRig
+from rigsim.rig import extent
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
 from rigsim.study import design_words as words
@@ -201,6 +202,7 @@ def solve(specification: Specification, cameras: Sequence[Camera], preference: s
         raise InvalidRange(f"preference {preference!r}: choose one of {', '.join(PREFERENCES)}")
     if not cameras:
         raise InvalidRange("no camera to try: give at least one resolution and lens")
+    extent.CAMERAS.check(len(cameras))
     asked, noise_px = specification.requirements, specification.noise_px
     intervals = tuple(baseline_interval(camera, asked, noise_px) for camera in cameras)
     candidates = [

@@ -13,7 +13,7 @@ import numpy as np
 
 from rigsim.errors import InvalidRange, InvalidRig
 from rigsim.measure.sensor import Sensor
-from rigsim.rig import given
+from rigsim.rig import extent, given
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.noise import PixelNoise, as_noise
@@ -29,9 +29,6 @@ MEASURES = ("auto", "none", "corners", "patches", "dense")
 
 SUPERSAMPLES = (1, 2, 4)
 """Samples along each side of a pixel that may be asked for."""
-
-MAX_POINTS = 1_000_000
-"""Most truth points of one rig: what fits in memory with room to spare."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,14 +203,14 @@ class Plan:
 
     def __post_init__(self) -> None:
         self._take()
-        if not 1 <= self.n_points <= MAX_POINTS:
-            raise InvalidRange(f"points {self.n_points}: must be between 1 and {MAX_POINTS:,}")
-        if self.n_trials < 1:
-            raise InvalidRange(f"trials {self.n_trials}: must be >= 1")
+        extent.SWEEP_POINTS.check(self.n_points)
+        extent.TRIALS.check(self.n_trials)
+        extent.TRIANGULATIONS.check(self.n_points * self.n_trials)
         if self.seed < 0:
             raise InvalidRange(f"seed {self.seed}: must be >= 0")
         if not self.noises or not self.triangulators or not self.sensors:
             raise InvalidRange("a sweep needs at least one noise level, one triangulator and one sensor")
+        extent.NOISES.check(len(self.noises))
         if self.measure not in MEASURES:
             raise InvalidRange(f"measure {self.measure!r}: choose one of {', '.join(MEASURES)}")
         if self.assumed is not None and self.perturbation is not None:

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from rigsim.errors import InvalidRange, InvalidScene
-from rigsim.rig import given
+from rigsim.rig import extent, given
 from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
@@ -51,8 +51,7 @@ def sweep(
     """
     plan = given.a(Plan, plan or Plan(), "a Plan: what is simulated")
     jobs = int(given.real(jobs, "jobs"))
-    if jobs < 1:
-        raise InvalidRange(f"jobs {jobs}: must be >= 1")
+    extent.JOBS.check(jobs)
     for method in plan.triangulators:
         resolve(method)  # fail before anything is drawn
     todo = rigs if isinstance(rigs, RigGrid) else _rigs(rigs)
@@ -75,7 +74,7 @@ def sweep(
     remarks: dict[str, Remark] = {}
     with Simulator(plan.scene, plan.mount, plan.renderer) as simulator:
         complete = True
-        outcomes = run_all(todo, plan, jobs, simulator)
+        outcomes = run_all(todo, plan, min(jobs, len(todo)), simulator)
         try:
             for rig, outcome in zip(todo, outcomes, strict=True):
                 rows.extend(outcome.rows)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rigsim.errors import InvalidRange
+from rigsim.rig import extent
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance import (
     Requirement,
@@ -119,8 +120,8 @@ def run_tolerance(
     near_m, far_m = range_m
     if not 0 < near_m < far_m < math.inf:
         raise InvalidRange(f"range {near_m * 1e3:g}:{far_m * 1e3:g} mm: must be 0 < near < far")
-    if n_rigs < 2:
-        raise InvalidRange(f"rigs {n_rigs}: must be >= 2")
+    extent.BUILT_RIGS.check(n_rigs)
+    extent.JUDGED_POINTS.check(n_points)
     depths_m = sorted({near_m, (near_m + far_m) / 2, far_m, required.depth_m})
     if n_points < 4 * len(depths_m):
         raise InvalidRange(f"points {n_points}: must be >= {4 * len(depths_m)}, 4 a depth")
