@@ -76,10 +76,15 @@ def read_text(path: str | Path, what: str, limit_bytes: int = TEXT_BYTES) -> str
         OutputError: as `read_bytes`.
         UnicodeDecodeError: it is no text.
     """
-    if os.path.isdir(path) or not os.access(path, os.R_OK):
-        reason = errno.EISDIR if os.path.isdir(path) else errno.EACCES
-        reason = reason if os.path.exists(path) else errno.ENOENT
-        raise OutputError(f"{path}: cannot be read ({os.strerror(reason)}); name {what}")
+    try:
+        if stat.S_ISDIR(os.stat(path).st_mode):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        if not os.access(path, os.R_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be read ({error.strerror}); name {what}") from None
+    except ValueError:
+        pass  # a null character in the name: told next
     content = read_bytes(path, what, limit_bytes)
     return content.decode("utf-8-sig")
 
