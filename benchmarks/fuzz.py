@@ -133,7 +133,11 @@ COMMANDS: dict[tuple[str, ...], tuple[str, ...]] = {
     ("compare",): ("--geometry", "--points", "--seed"),
 }
 ALWAYS: dict[tuple[str, ...], tuple[str, ...]] = {
-    ("sweep",): ("--renderer", "rays", "--measure", "none", "--json"),
+    # little work, so that what takes long is no work but a hang; what follows may ask for more
+    ("sweep",): ("--renderer", "rays", "--measure", "none", "--points", "50", "--trials", "5", "--json"),
+    ("tolerance",): ("--rigs", "100"),
+    ("design",): ("--no-proof",),
+    ("compare",): ("--points", "100"),
     ("verify",): ("--list",),
 }
 
