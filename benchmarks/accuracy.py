@@ -10,8 +10,8 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from rigsim.rig.arrays import Array
-from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.perturbation import NAMES, Perturbation
 from rigsim.rig.pose import Pose

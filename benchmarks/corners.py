@@ -10,18 +10,25 @@ from functools import lru_cache
 import cv2
 import numpy as np
 
-from rigsim.measure import saddle
-from rigsim.measure.corners import fit_corners, refine_corners
-from rigsim.measure.distort import distort_image, rectify_image, wider_intrinsics
-from rigsim.measure.images import grey
-from rigsim.measure.pairing import BoardMatches, match_sizes
-from rigsim.measure.sensor import Sensor, digitise, optics
+from rigsim.pixels.corners import saddle
+from rigsim.pixels.corners.corners import fit_corners, refine_corners
+from rigsim.pixels.corners.pairing import BoardMatches, match_sizes
+from rigsim.pixels.images import grey
 from rigsim.rig.arrays import Array
-from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.presets import preset
+from rigsim.rig.sensor import Sensor
 from rigsim.rig.stereo import StereoRig
-from tests.checker_images import board_corners, board_homography, board_image, cramer_rao_px, saddle_windows
+from rigsim.sim.exposure import digitise, optics
+from rigsim.sim.lens import distort_image, rectify_image, wider_intrinsics
+from tests.helpers.checker_images import (
+    board_corners,
+    board_homography,
+    board_image,
+    cramer_rao_px,
+    saddle_windows,
+)
 
 _HALF = 5
 

@@ -10,7 +10,7 @@ import numpy as np
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.infer import DepthErrors, infer_disparity_noise
+from rigsim.study.infer.run import DepthErrors, infer_disparity_noise
 from rigsim.theory.triangulation import triangulate
 
 REPETITIONS = 2000

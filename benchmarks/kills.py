@@ -28,7 +28,8 @@ rows = (folder / "observations.csv").read_text().splitlines()[1:]
 (folder / "points.csv").write_text("x,y,z\\n" + "0,0,1\\n" * len(rows))
 """
 COMMANDS: dict[str, str] = {
-    "sweep": "sweep --baseline 50:500/4 --points 50 --trials 3 --resolution 160x120 --measure none --jobs 2 --out out",
+    "sweep": "sweep --baseline 50:500/4 --points 50 --trials 3 --resolution 160x120 --measure none --jobs 2 "
+    "--out out",
     "design": "design --range 0.5:3m --depth-error 40mm@3m --fov 60deg --resolution 640x480 --out out",
     "verify": "verify --exec PROGRAM --scene none --cases rectified,doffs,verged --out out",
     "compare": "compare optimal dlt --geometry verged --points 500 --out out",

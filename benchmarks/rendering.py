@@ -37,7 +37,8 @@ def compare(scene: str, rig: StereoRig) -> tuple[np.ndarray, float]:
     """Absolute depth differences (N,) um over both views, and the largest frustum difference, px."""
     import mujoco
 
-    from rigsim.sim import rays, render
+    from rigsim.sim import render
+    from rigsim.sim.truth import rays
 
     flat = (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_MESH)
     errors, frustum_px = [], 0.0

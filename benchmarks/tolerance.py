@@ -11,13 +11,13 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from rigsim.rig.arrays import Array
-from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.perturbation import NAMES, Perturbation
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.tolerance import CLASSES, Requirement, causes
-from rigsim.study.tolerance_compensator import Compensator
-from rigsim.study.tolerance_yield import Recalibration, draw, make_compensator, run_tolerance
+from rigsim.study.tolerance.compensator import Compensator
+from rigsim.study.tolerance.run import Recalibration, draw, make_compensator, run_tolerance
+from rigsim.study.tolerance.sensitivities import CLASSES, Requirement, causes
 from rigsim.theory.triangulation import triangulate
 
 _LENS = Intrinsics.from_focal(1280, 720, 900.0)

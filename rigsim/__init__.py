@@ -12,10 +12,10 @@ from rigsim._version import __version__
 
 if TYPE_CHECKING:
     from rigsim.errors import RigsimError
-    from rigsim.interop.calibration import read_rig
-    from rigsim.interop.rig_toml import write_rig
-    from rigsim.rig.distortion import BrownConrady
+    from rigsim.interop.formats.calibration import read_rig
+    from rigsim.interop.formats.rig_toml import write_rig
     from rigsim.rig.intrinsics import Intrinsics
+    from rigsim.rig.lens.distortion import BrownConrady
     from rigsim.rig.noise import PixelNoise
     from rigsim.rig.observations import Observations
     from rigsim.rig.perturbation import Perturbation
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from rigsim.rig.presets import PRESETS, preset
     from rigsim.rig.stereo import StereoRig
     from rigsim.sim.simulator import Simulator
-    from rigsim.study.plan import Plan, RigGrid
-    from rigsim.study.result import SweepResult
-    from rigsim.study.sweep import sweep
+    from rigsim.study.scene.plan import Plan, RigGrid
+    from rigsim.study.sweep.result import SweepResult
+    from rigsim.study.sweep.run import sweep
     from rigsim.theory.sensitivity import depth_sensitivity
     from rigsim.theory.triangulation import triangulate
     from rigsim.theory.uncertainty import (
@@ -40,9 +40,9 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "rigsim.errors": ("RigsimError",),
-    "rigsim.interop.calibration": ("read_rig",),
-    "rigsim.interop.rig_toml": ("write_rig",),
-    "rigsim.rig.distortion": ("BrownConrady",),
+    "rigsim.interop.formats.calibration": ("read_rig",),
+    "rigsim.interop.formats.rig_toml": ("write_rig",),
+    "rigsim.rig.lens.distortion": ("BrownConrady",),
     "rigsim.rig.intrinsics": ("Intrinsics",),
     "rigsim.rig.noise": ("PixelNoise",),
     "rigsim.rig.observations": ("Observations",),
@@ -51,9 +51,9 @@ _MODULES = {
     "rigsim.rig.presets": ("PRESETS", "preset"),
     "rigsim.rig.stereo": ("StereoRig",),
     "rigsim.sim.simulator": ("Simulator",),
-    "rigsim.study.plan": ("Plan", "RigGrid"),
-    "rigsim.study.result": ("SweepResult",),
-    "rigsim.study.sweep": ("sweep",),
+    "rigsim.study.scene.plan": ("Plan", "RigGrid"),
+    "rigsim.study.scene.columns": ("SweepResult",),
+    "rigsim.study.sweep.run": ("sweep",),
     "rigsim.theory.sensitivity": ("depth_sensitivity",),
     "rigsim.theory.triangulation": ("triangulate",),
     "rigsim.theory.uncertainty": (

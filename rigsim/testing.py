@@ -58,10 +58,10 @@ def assert_triangulates(
         RigsimError: an argument cannot be: unknown suite, scene or name.
     """
     __tracebackhide__ = True  # pytest then shows the caller's line, not this one
+    from rigsim.study.triangulators.registry import named
     from rigsim.study.verify.case import Case
     from rigsim.study.verify.failure import failure_text
     from rigsim.study.verify.runner import verify
-    from rigsim.study.verify.triangulators import named
 
     if cases is None:
         chosen = stereo_cases(suite=suite, only=only, rig=rig, scenes=scenes, seed=seed)
@@ -138,9 +138,9 @@ def render_stereo(
         InvalidScene: no such scene.
         RenderUnavailable: nothing here can draw pictures.
     """
-    from rigsim.measure.sensor import Sensor
+    from rigsim.rig.sensor import Sensor
     from rigsim.sim.simulator import SUPERSAMPLE, Simulator
-    from rigsim.study.pictures import expose_pair
+    from rigsim.study.scene.pictures import expose_pair
     from rigsim.study.verify.rendered import scene_rig
     from rigsim.study.verify.suite import stream
 

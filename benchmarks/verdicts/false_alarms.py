@@ -11,10 +11,10 @@ import time
 from dataclasses import replace
 
 from rigsim import BrownConrady, Intrinsics, PixelNoise, Plan, Pose, StereoRig
-from rigsim.measure.sensor import Sensor
+from rigsim.rig.sensor import Sensor
 from rigsim.sim.simulator import Simulator
-from rigsim.study.agreement import kind_of
-from rigsim.study.executor import run_all
+from rigsim.study.agreement.agreement import kind_of
+from rigsim.study.sweep.processes import run_all
 
 SCENES = ("boards", "branch", "artifact", "corridor", "bin")
 SEEDS = 40

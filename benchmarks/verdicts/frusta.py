@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rigsim.rig.arrays import Array, Mask
-from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 from rigsim.theory.limits import blind_zone_m, overlap_at_depth, overlap_fov_deg

@@ -14,7 +14,7 @@ import numpy as np
 
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.infer import DepthErrors, infer_disparity_noise
+from rigsim.study.infer.run import DepthErrors, infer_disparity_noise
 
 REPETITIONS = 200
 COUNT = 60
@@ -89,7 +89,7 @@ def _line(rng: np.random.Generator, case: Case, count: int, scatter: bool) -> li
 
 
 def _held(truth: tuple[float, float, float], found: object) -> list[bool]:
-    from rigsim.study.infer import Inference
+    from rigsim.study.infer.run import Inference
 
     assert isinstance(found, Inference)
     assert found.bias is not None

@@ -7,13 +7,13 @@ from collections import Counter
 import numpy as np
 
 from rigsim.errors import MeasurementFailed
-from rigsim.measure.images import AnyImage
-from rigsim.measure.sensor import Sensor, digitise
-from rigsim.rig.arrays import Array
+from rigsim.rig.arrays import AnyImage, Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.presets import preset
+from rigsim.rig.sensor import Sensor
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.pair import measure_pair
+from rigsim.sim.exposure import digitise
+from rigsim.study.measure.run import measure_pair
 
 SCENES = ("boards", "branch", "artifact", "corridor", "bin")
 SEEDS = 20
@@ -42,7 +42,7 @@ def run() -> None:
 
 def _light(name: str) -> tuple[StereoRig, tuple[Array, Array]]:
     from rigsim.sim.simulator import Simulator
-    from rigsim.study.pictures import expose_pair
+    from rigsim.study.scene.pictures import expose_pair
 
     own = preset(name).rig
     lens = Intrinsics.from_focal(*SIZE, own.left.fx * SIZE[0] / own.left.width)

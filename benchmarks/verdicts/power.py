@@ -19,9 +19,9 @@ import numpy as np
 
 from rigsim import Perturbation, Plan, Simulator, StereoRig, preset, triangulate
 from rigsim.rig.arrays import Array
-from rigsim.rig.distortion import BrownConrady
-from rigsim.study.agreement import kind_of
-from rigsim.study.geometry import Look, all_rows
+from rigsim.rig.lens.distortion import BrownConrady
+from rigsim.study.agreement.agreement import kind_of
+from rigsim.study.scene.look import Look, all_rows
 
 SEEDS = 20
 SCENE = "boards"

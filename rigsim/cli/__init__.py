@@ -3,7 +3,7 @@
 
 def main() -> int:
     """Run the command line; returns the exit code: 0 fine, 1 error, 2 usage, 3 outside tolerance."""
-    from rigsim.cli import ends
+    from rigsim.cli.kit import ends
 
     ends.listen()
     try:

@@ -11,11 +11,13 @@ from typing import Annotated, cast
 import typer
 
 from rigsim._version import __version__
-from rigsim.cli import calc, ends, export, terminal
+from rigsim.cli import export
+from rigsim.cli.calc import calc
 from rigsim.cli.compare import compare
-from rigsim.cli.design import design
+from rigsim.cli.design.design import design
 from rigsim.cli.doctor import doctor
 from rigsim.cli.infer import infer
+from rigsim.cli.kit import ends, terminal
 from rigsim.cli.measure import measure
 from rigsim.cli.presets import presets
 from rigsim.cli.render import render
@@ -130,7 +132,7 @@ def _check_words(words: list[str]) -> None:
 
 def _release_claims() -> None:
     """Outputs that were checked and not written, as after an error, are free again."""
-    claims = sys.modules.get("rigsim.interop.claims")
+    claims = sys.modules.get("rigsim.interop.files.claims")
     if claims is not None:
         claims.release_all()
 

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rigsim.cli import quantity
-from rigsim.cli.answer import print_document, quiet
-from rigsim.cli.options import Json, takes_rig
-from rigsim.cli.progress import shown
-from rigsim.cli.rigs import DEFAULT_PRESET, RigOptions
-from rigsim.cli.triangulators import TIMEOUT, resolved, words
+from rigsim.cli.kit import quantity
+from rigsim.cli.kit.answer import print_document, quiet
+from rigsim.cli.kit.options import Json, takes_rig
+from rigsim.cli.kit.progress import shown
+from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
+from rigsim.cli.kit.triangulators import TIMEOUT, resolved, words
 from rigsim.errors import InvalidRange, MeasurementFailed
 
 if TYPE_CHECKING:
-    from rigsim.study.compare import ComparisonResult
+    from rigsim.study.compare.run import ComparisonResult
 
 _NOISE = quantity.Kind("noise", "px", quantity.NOISE.factors, above=0)
 
@@ -73,11 +73,11 @@ def compare(
     noises_px = quantity.values(noise, _NOISE)
     names = words(methods, "method")
     chosen = words(geometry, "geometry")
-    from rigsim.interop import folder
+    from rigsim.interop.files import folder
 
     if out is not None:
         folder.check_output(out, force)
-    from rigsim.study.compare import (
+    from rigsim.study.compare.run import (
         DEFAULT_GEOMETRIES,
         DEFAULT_METHODS,
         ComparisonPlan,
@@ -112,13 +112,13 @@ def compare(
 
 
 def _deliver(result: ComparisonResult, out: Path | None, force: bool, as_json: bool) -> None:
-    from rigsim.interop import folder
     from rigsim.interop.documents.compare import compare_document
+    from rigsim.interop.files import folder
 
     document = compare_document(result).model_dump()
     if out is not None:
-        from rigsim.interop.tables import csv_bytes, json_bytes
-        from rigsim.present.compare import comparison_files
+        from rigsim.interop.files.tables import csv_bytes, json_bytes
+        from rigsim.present.compare.page import comparison_files
 
         files = comparison_files(result)
         files["compare.csv"] = csv_bytes(result.rows)
@@ -127,7 +127,7 @@ def _deliver(result: ComparisonResult, out: Path | None, force: bool, as_json: b
     if as_json:
         print_document(document)
     else:
-        from rigsim.present.compare_console import print_comparison
+        from rigsim.present.compare.console import print_comparison
 
         print_comparison(result, out)
 
@@ -140,7 +140,7 @@ def _installed(names: tuple[str, ...]) -> tuple[tuple[str, ...], tuple[str, ...]
     """
     if "cv2" not in names:
         return names, ()
-    from rigsim.measure.opencv import load_cv2
+    from rigsim.pixels.opencv import load_cv2
 
     try:
         load_cv2()

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import typer
 
-from rigsim.cli.answer import print_document
-from rigsim.cli.options import Json
+from rigsim.cli.kit.answer import print_document
+from rigsim.cli.kit.options import Json
 
 
 def doctor(as_json: Json = False) -> None:
@@ -19,7 +19,7 @@ def doctor(as_json: Json = False) -> None:
         print_document(doctor_document(probes))
         return
 
-    from rigsim.present.console import print_table
+    from rigsim.present.kit.console import print_table
 
     print_table(
         "Renderers (--renderer)",

@@ -10,11 +10,11 @@ from typing import Annotated
 
 import typer
 
-from rigsim.cli import quantity
-from rigsim.cli.answer import print_document, print_remarks, quiet
-from rigsim.cli.options import Json, single_rig, takes_rig
-from rigsim.cli.rigs import RigOptions
-from rigsim.cli.sensors import Blur, FullWell, ImageNoise, ReadNoise, SensorName, sensor_from
+from rigsim.cli.kit import quantity
+from rigsim.cli.kit.answer import print_document, print_remarks, quiet
+from rigsim.cli.kit.options import Json, single_rig, takes_rig
+from rigsim.cli.kit.rigs import RigOptions
+from rigsim.cli.kit.sensors import Blur, FullWell, ImageNoise, ReadNoise, SensorName, sensor_from
 from rigsim.errors import InvalidRange
 
 app = typer.Typer(
@@ -42,8 +42,8 @@ def rig(
         raise InvalidRange("--rig is missing: give a file, or --preset, or --baseline and --focal")
     one = single_rig(options, None, size_for="an export")
 
-    from rigsim.interop import folder
-    from rigsim.interop.export import rig_files
+    from rigsim.interop.files import folder
+    from rigsim.interop.formats.export import rig_files
 
     files = rig_files(one, format)
     folder.write_folder(out, files, force)
@@ -95,8 +95,8 @@ def dataset(
     )
     move_m = None if move is None else quantity.value(move, _MOVE) / 1e3
 
-    from rigsim.interop import folder
-    from rigsim.interop.dataset import check_format, nearest_m, write_dataset
+    from rigsim.interop.files import folder
+    from rigsim.interop.files.dataset import check_format, nearest_m, write_dataset
 
     check_format(format, one)
     folder.check_output(out, force)
@@ -104,8 +104,8 @@ def dataset(
     from dataclasses import asdict
 
     from rigsim.sim.simulator import Simulator
-    from rigsim.study.dataset import render_frames
-    from rigsim.study.provenance import simulator_provenance
+    from rigsim.study.scene.frames import render_frames
+    from rigsim.study.scene.provenance import simulator_provenance
 
     with quiet(as_json), Simulator(scene, mount, renderer) as simulator:
         simulator.place(one)

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rigsim.cli import quantity
-from rigsim.cli.answer import print_document, print_remarks
-from rigsim.cli.options import Json, single_rig, takes_rig
-from rigsim.cli.rigs import DEFAULT_PRESET, RigOptions
+from rigsim.cli.kit import quantity
+from rigsim.cli.kit.answer import print_document, print_remarks
+from rigsim.cli.kit.options import Json, single_rig, takes_rig
+from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
 from rigsim.errors import InvalidRange
 
 if TYPE_CHECKING:
     from rigsim.rig.remark import Remark
     from rigsim.rig.stereo import StereoRig
-    from rigsim.study.infer import DepthErrors
+    from rigsim.study.infer.run import DepthErrors
 
 _CLAIM = "write error@distance, as in 1%@4m, 10mm@3m or 8.1:13.1m@10m"
 
@@ -63,7 +63,7 @@ def infer(
         raise InvalidRange("--p95 is about --claim: --data holds standard deviations")
     if at is not None and to is None:
         raise InvalidRange("--at is about another rig: name it by --to")
-    from rigsim.interop import folder
+    from rigsim.interop.files import folder
 
     if out is not None:
         folder.check_output(out, force)
@@ -73,7 +73,7 @@ def infer(
 
     import numpy as np
 
-    from rigsim.study import infer as study
+    from rigsim.study.infer import run as study
 
     inference = study.infer_disparity_noise(rig, errors)
     carried = None
@@ -81,14 +81,14 @@ def infer(
         depths_mm = quantity.values(at, quantity.DEPTH) if at is not None else None
         depths_m = errors.depths_m if depths_mm is None else np.array(depths_mm) / 1e3
         carried = study.transfer(inference, other, depths_m)
-    from rigsim.interop.depth_errors import inference_document
-    from rigsim.study.infer_remarks import remarks
+    from rigsim.interop.documents.written.infer import inference_document
+    from rigsim.study.infer.remarks import remarks
 
     said += remarks(inference, units_written=claim is not None)
     document = inference_document(inference, carried, said)
     if out is not None:
-        from rigsim.interop.tables import json_bytes
-        from rigsim.present.inference_figure import inference_png
+        from rigsim.interop.files.tables import json_bytes
+        from rigsim.present.infer.figure import inference_png
 
         files = {"infer.json": json_bytes(document), "infer.png": inference_png(inference, carried)}
         folder.write_folder(out, files, force)
@@ -96,13 +96,13 @@ def infer(
     if as_json:
         print_document(document)
     else:
-        from rigsim.present.inference import print_inference
+        from rigsim.present.infer.console import print_inference
 
         print_inference(inference, carried, out)
 
 
 def _measured(path: Path | None) -> DepthErrors:
-    from rigsim.interop.depth_errors import read_depth_errors
+    from rigsim.interop.files.depth_errors import read_depth_errors
 
     assert path is not None
     return read_depth_errors(path)
@@ -123,8 +123,8 @@ def _claimed(text: str, rig: StereoRig, p95: bool) -> tuple[DepthErrors, list[Re
     """
     import numpy as np
 
-    from rigsim.study.infer import P95, DepthErrors, depth_gain, disparity_of_bounds
-    from rigsim.study.infer_remarks import bounds_remark
+    from rigsim.study.infer.remarks import bounds_remark
+    from rigsim.study.infer.run import P95, DepthErrors, depth_gain, disparity_of_bounds
 
     said_of: list[Remark] = []
     depths: list[float] = []

@@ -11,10 +11,10 @@ from typing import Annotated
 
 import typer
 
-from rigsim.cli import quantity
-from rigsim.cli.answer import print_document, quiet
-from rigsim.cli.options import Json, single_rig, takes_rig
-from rigsim.cli.rigs import RigOptions
+from rigsim.cli.kit import quantity
+from rigsim.cli.kit.answer import print_document, quiet
+from rigsim.cli.kit.options import Json, single_rig, takes_rig
+from rigsim.cli.kit.rigs import RigOptions
 from rigsim.errors import InvalidRange
 
 _SQUARE = replace(quantity.BASELINE, name="square")
@@ -74,13 +74,13 @@ def measure(
     pixels = None if target is None else _target(target)
     searched = None if disparity is None else quantity.span(disparity, quantity.DISPARITY)
 
-    from rigsim.interop import folder
+    from rigsim.interop.files import folder
 
     if out is not None:
         folder.check_output(out, force)
 
-    from rigsim.interop.pair_files import document, pair_files, read_truth, sources
-    from rigsim.measure.reading import read_image
+    from rigsim.interop.files.measure import document, pair_files, read_truth, sources
+    from rigsim.pixels.reading import read_image
 
     image_left, image_right = read_image(left), read_image(right)
     if options == RigOptions():
@@ -92,7 +92,7 @@ def measure(
     rig = single_rig(options, None)
     true = None if truth is None else read_truth(truth, truth_scale)
 
-    from rigsim.study.pair import measure_pair, versions
+    from rigsim.study.measure.run import measure_pair, versions
 
     paths = {"left": left, "right": right} | ({} if truth is None else {"truth": truth})
     with quiet(as_json):
@@ -110,12 +110,12 @@ def measure(
             provenance={"command": shlex.join(["rigsim", *sys.argv[1:]]), **sources(paths), **versions()},
         )
 
-    from rigsim.present.pair import pair_pictures, print_pair
+    from rigsim.present.measure.console import pair_pictures, print_pair
 
     written = None
     if out is not None:
         from rigsim.interop.documents.base import Written
-        from rigsim.interop.tables import json_bytes
+        from rigsim.interop.files.tables import json_bytes
 
         files = {**pair_pictures(result), **pair_files(result)}
         written = Written(folder=str(out), files=sorted([*files, "measure.json"]))

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rigsim.cli.answer import print_document
-from rigsim.cli.options import Json
+from rigsim.cli.kit.answer import print_document
+from rigsim.cli.kit.options import Json
 
 if TYPE_CHECKING:
     from rigsim.rig.commercial import Figure
@@ -52,7 +52,7 @@ def presets(
 
 
 def _list(items: Sequence[Preset]) -> None:
-    from rigsim.present.console import print_table
+    from rigsim.present.kit.console import print_table
 
     rigs = [(*_cells(item), item.about) for item in items if not item.figures]
     cameras = [
@@ -83,7 +83,7 @@ def _cells(item: Preset) -> tuple[str, str, str, str, str]:
 
 
 def _show(item: Preset) -> None:
-    from rigsim.present.console import print_table
+    from rigsim.present.kit.console import print_table
 
     rig = item.rig
     print_table(

@@ -9,9 +9,9 @@ from typing import Annotated
 
 import typer
 
-from rigsim.cli.answer import print_document, print_remarks, quiet
-from rigsim.cli.options import Json
-from rigsim.cli.rigs import RigOptions
+from rigsim.cli.kit.answer import print_document, print_remarks, quiet
+from rigsim.cli.kit.options import Json
+from rigsim.cli.kit.rigs import RigOptions
 
 
 def render(
@@ -39,13 +39,13 @@ def render(
     options = RigOptions(rig, preset, baseline, focal, hfov, sensor_width, pixel_pitch, resolution, vergence)
     one = options.single(scene)
 
-    from rigsim.interop import folder
+    from rigsim.interop.files import folder
 
     folder.check_output(out, force)
 
     from rigsim import present
-    from rigsim.interop.tables import render_files
-    from rigsim.study.snapshot import take_snapshot
+    from rigsim.interop.files.tables import render_files
+    from rigsim.study.scene.snapshot import take_snapshot
 
     with quiet(as_json):
         command = shlex.join(["rigsim", *sys.argv[1:]])

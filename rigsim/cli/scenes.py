@@ -6,18 +6,18 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from rigsim.cli.answer import print_document
-from rigsim.cli.options import Json
+from rigsim.cli.kit.answer import print_document
+from rigsim.cli.kit.options import Json
 
 if TYPE_CHECKING:
-    from rigsim.measure.sensor_presets import SensorPreset
+    from rigsim.rig.sensors import SensorPreset
 
 
 def scenes(as_json: Json = False) -> None:
     """List the bundled scenes, the preset rigs and the sensors."""
-    from rigsim.measure.sensor_presets import SENSORS
     from rigsim.rig.presets import PRESETS
-    from rigsim.sim import library
+    from rigsim.rig.sensors import SENSORS
+    from rigsim.sim.scenes import library
 
     bundled = [(name, library.about(name)) for name in library.names()]
     presets = [preset for preset in PRESETS.values() if not preset.figures]
@@ -27,7 +27,7 @@ def scenes(as_json: Json = False) -> None:
         print_document(scenes_document(bundled, presets, SENSORS.values()))
         return
 
-    from rigsim.present.console import print_table
+    from rigsim.present.kit.console import print_table
 
     print_table(
         "Scenes (--scene)",

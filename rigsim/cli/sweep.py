@@ -11,17 +11,25 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rigsim.cli import ends, quantity
-from rigsim.cli.answer import print_document, print_remarks, quiet
-from rigsim.cli.progress import shown
-from rigsim.cli.rigs import RigOptions
-from rigsim.cli.sensors import Blur, FullWell, ReadNoise, SensorName, sensor_labels, sensor_of, sensors_from
+from rigsim.cli.kit import ends, quantity
+from rigsim.cli.kit.answer import print_document, print_remarks, quiet
+from rigsim.cli.kit.progress import shown
+from rigsim.cli.kit.rigs import RigOptions
+from rigsim.cli.kit.sensors import (
+    Blur,
+    FullWell,
+    ReadNoise,
+    SensorName,
+    sensor_labels,
+    sensor_of,
+    sensors_from,
+)
 from rigsim.errors import InvalidRange
 
 if TYPE_CHECKING:
     from rigsim.rig.perturbation import Perturbation
     from rigsim.rig.stereo import StereoRig
-    from rigsim.study.result import SweepResult
+    from rigsim.study.sweep.result import SweepResult
 
 MANY_RIGS = 1000
 """More rigs than this are run only with --yes."""
@@ -123,7 +131,7 @@ def sweep(
             f"{len(grid):,} rigs: more than {MANY_RIGS:,}; add --yes to run them all, or take fewer values"
         )
 
-    from rigsim.interop import folder
+    from rigsim.interop.files import folder
 
     target = out
     if target is None and not as_json:
@@ -132,8 +140,8 @@ def sweep(
         folder.check_output(target, force)
 
     from rigsim.rig.noise import PixelNoise
-    from rigsim.study.plan import Plan
-    from rigsim.study.sweep import sweep as run
+    from rigsim.study.scene.plan import Plan
+    from rigsim.study.sweep.run import sweep as run
 
     if renderer == "auto":
         from rigsim.sim import backend
@@ -173,7 +181,7 @@ def sweep(
 
 def _assumed(assume: Path | None, rig: Path | None) -> tuple[StereoRig | None, Perturbation | None]:
     """The rig that triangulates, or how the built rig differs from --rig's; None where nothing says."""
-    from rigsim.interop.calibration import calibration_perturbation, read_calibration
+    from rigsim.interop.formats.calibration import calibration_perturbation, read_calibration
 
     perturbation = None if rig is None else calibration_perturbation(rig)
     if assume is None:
@@ -192,8 +200,8 @@ def _assumed(assume: Path | None, rig: Path | None) -> tuple[StereoRig | None, P
 
 def _deliver(result: SweepResult, target: Path | None, force: bool, as_json: bool) -> None:
     from rigsim import present
-    from rigsim.interop import folder
-    from rigsim.interop.tables import sweep_files
+    from rigsim.interop.files import folder
+    from rigsim.interop.files.tables import sweep_files
 
     print_remarks(result.remarks)
     files: dict[str, bytes] = {}

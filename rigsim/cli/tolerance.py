@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rigsim.cli import quantity
-from rigsim.cli.answer import print_document
-from rigsim.cli.options import Json, takes_rig
-from rigsim.cli.rigs import DEFAULT_PRESET, RigOptions
+from rigsim.cli.kit import quantity
+from rigsim.cli.kit.answer import print_document
+from rigsim.cli.kit.options import Json, takes_rig
+from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
 from rigsim.errors import InvalidRange
 
 if TYPE_CHECKING:
-    from rigsim.study.tolerance import Requirement
+    from rigsim.study.tolerance.sensitivities import Requirement
 
 _ANGLES = {**quantity.HFOV.factors, "arcmin": Fraction(1, 60)}
 _LENGTHS = quantity.BASELINE.factors
@@ -132,14 +132,14 @@ def tolerance(
     """
     near_m, far_m = _range(depth_range)
     required = _requirement(depth_error, far_m)
-    from rigsim.interop import folder
+    from rigsim.interop.files import folder
 
     if out is not None:
         folder.check_output(out, force)
     rig = options.single(DEFAULT_PRESET)
 
-    from rigsim.study.tolerance import CLASSES, Tolerances, with_values
-    from rigsim.study.tolerance_yield import Recalibration, run_tolerance
+    from rigsim.study.tolerance.run import Recalibration, run_tolerance
+    from rigsim.study.tolerance.sensitivities import CLASSES, Tolerances, with_values
 
     if class_name not in (*CLASSES, "none"):
         raise InvalidRange(f"class {class_name!r}: choose one of {', '.join(CLASSES)}, none")
@@ -171,13 +171,14 @@ def tolerance(
         seed=seed,
     )
 
-    from rigsim.study.tolerance_document import tolerance_document, tolerance_table
+    from rigsim.interop.documents.written.tolerance import tolerance_document
+    from rigsim.study.tolerance.table import tolerance_table
 
     document = tolerance_document(result)
     if out is not None:
-        from rigsim.interop.tables import csv_bytes, json_bytes
-        from rigsim.present.tolerance import tolerance_png
-        from rigsim.present.tolerance_places import places_png
+        from rigsim.interop.files.tables import csv_bytes, json_bytes
+        from rigsim.present.tolerance.console import tolerance_png
+        from rigsim.present.tolerance.places_figure import places_png
 
         files = {
             "tolerance.csv": csv_bytes(tolerance_table(result)),
@@ -189,7 +190,7 @@ def tolerance(
     if as_json:
         print_document(document)
     else:
-        from rigsim.present.tolerance import print_tolerance
+        from rigsim.present.tolerance.console import print_tolerance
 
         print_tolerance(result, out)
 
@@ -222,7 +223,7 @@ def _range(text: str) -> tuple[float, float]:
 
 
 def _requirement(text: str, far_m: float) -> Requirement:
-    from rigsim.study.tolerance import Requirement
+    from rigsim.study.tolerance.sensitivities import Requirement
 
     what, at, where = text.partition("@")
     for part in (what, where) if at else (what,):

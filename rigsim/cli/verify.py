@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rigsim.cli import quantity
-from rigsim.cli.answer import print_document, quiet
-from rigsim.cli.options import Json, takes_rig
-from rigsim.cli.progress import shown
-from rigsim.cli.rigs import DEFAULT_PRESET, RigOptions
-from rigsim.cli.triangulators import TIMEOUT, resolved, words
+from rigsim.cli.kit import quantity
+from rigsim.cli.kit.answer import print_document, quiet
+from rigsim.cli.kit.options import Json, takes_rig
+from rigsim.cli.kit.progress import shown
+from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
+from rigsim.cli.kit.triangulators import TIMEOUT, resolved, words
 from rigsim.errors import InvalidRange, OutputError
 
 if TYPE_CHECKING:
@@ -96,7 +96,7 @@ def verify(
     timeout_s = quantity.value(timeout, TIMEOUT)
     if list_cases and as_json:
         raise InvalidRange("list: prints no JSON; leave out --json")
-    from rigsim.interop import folder
+    from rigsim.interop.files import folder
 
     if out is not None:
         folder.check_output(out, force)
@@ -105,7 +105,7 @@ def verify(
     if update and (cases or scene):
         raise InvalidRange("update: golden results hold every case; leave out --cases and --scene")
     if golden is not None and not update:
-        from rigsim.interop.golden_files import read_golden
+        from rigsim.interop.files.golden import read_golden
 
         read_golden(golden, ())  # a folder that is not there is told before the work
     from rigsim.study.verify.session import Selection, run
@@ -124,7 +124,7 @@ def verify(
     with quiet(as_json), resolved(names, commands, timeout_s) as known:
         gathered = _gathered(selection)
         if list_cases:
-            from rigsim.present.verify_console import print_cases
+            from rigsim.present.verify.console import print_cases
 
             print_cases(gathered.cases)
             return
@@ -157,8 +157,8 @@ def _golden(
     """Compare with golden results, or write them; None when neither is asked for."""
     if folder is None and not update:
         return None
-    from rigsim.interop.golden_files import read_golden, write_golden
-    from rigsim.sim import library
+    from rigsim.interop.files.golden import read_golden, write_golden
+    from rigsim.sim.scenes import library
     from rigsim.study.verify.golden import Comparison, GoldenReport, compare
     from rigsim.study.verify.session import golden_records
 
@@ -186,16 +186,16 @@ def _deliver(
     as_json: bool,
     golden: GoldenReport | None,
 ) -> None:
-    from rigsim.interop import folder
-    from rigsim.interop.junit import junit_bytes
-    from rigsim.interop.tables import json_bytes
-    from rigsim.study.verify.document import verify_document
+    from rigsim.interop.documents.written.verify import verify_document
+    from rigsim.interop.files import folder
+    from rigsim.interop.files.junit import junit_bytes
+    from rigsim.interop.files.tables import json_bytes
 
     document = verify_document(result, strict, golden)
     if junit is not None:
         folder.write_file(junit, junit_bytes(result, strict))
     if out is not None:
-        from rigsim.present.verify import verify_html
+        from rigsim.present.verify.page import verify_html
 
         files = {
             "verify.html": verify_html(result, strict, again).encode(),
@@ -206,17 +206,17 @@ def _deliver(
     if as_json:
         print_document(document)
     else:
-        from rigsim.present.verify_console import print_verify
+        from rigsim.present.verify.console import print_verify
 
         print_verify(result, strict, again, out)
         if golden is not None:
-            from rigsim.present.verify_golden import print_golden
+            from rigsim.present.verify.golden import print_golden
 
             print_golden(golden)
 
 
 def _gathered(selection: Selection) -> Gathered:
-    from rigsim.sim import library
+    from rigsim.sim.scenes import library
     from rigsim.study.verify.session import gather
 
     n_scenes = len(library.names() if selection.scenes is None else selection.scenes)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -25,3 +25,11 @@ def frozen(values: npt.ArrayLike, shape: tuple[int, ...] | None = None) -> Array
         array = array.reshape(shape)
     array.flags.writeable = False
     return array
+
+
+AnyImage: TypeAlias = npt.NDArray[Any]
+"""A picture, (H, W) or (H, W, 1|3|4), of uint8, uint16 or a float type."""
+
+
+GREY_WEIGHTS = (0.299, 0.587, 0.114)
+"""Weights of red, green and blue (ITU-R BT.601), applied to the values as they are: no gamma is undone."""

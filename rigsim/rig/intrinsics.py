@@ -15,7 +15,7 @@ import numpy.typing as npt
 from rigsim.errors import InvalidRig
 from rigsim.rig import given
 from rigsim.rig.arrays import Array, Mask
-from rigsim.rig.distortion import BrownConrady
+from rigsim.rig.lens.distortion import BrownConrady
 
 
 @dataclass(frozen=True, slots=True)

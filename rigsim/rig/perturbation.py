@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields, replace
 
 from rigsim.errors import InvalidRig
 from rigsim.rig import given
-from rigsim.rig.distortion import BrownConrady
+from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 

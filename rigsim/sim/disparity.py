@@ -6,9 +6,9 @@ import numpy as np
 
 from rigsim.errors import InvalidRig
 from rigsim.rig.arrays import Array
-from rigsim.sim import rays
 from rigsim.sim.frame import View
-from rigsim.sim.scene import Scene
+from rigsim.sim.scenes.scene import Scene
+from rigsim.sim.truth import rays
 
 
 def true_disparity(scene: Scene, left: View) -> Array:

@@ -11,11 +11,11 @@ import numpy as np
 from rigsim.errors import RenderMismatch, RenderUnavailable
 from rigsim.rig.arrays import Array, Ids, Light
 from rigsim.rig.intrinsics import Intrinsics
-from rigsim.sim import rays
 from rigsim.sim.backend import make_gl_context
-from rigsim.sim.facets import CURVED, FINEST, Facets, radii_px, slices
-from rigsim.sim.scene import Scene
+from rigsim.sim.scenes.scene import Scene
 from rigsim.sim.supersampling import box_average
+from rigsim.sim.truth import rays
+from rigsim.sim.truth.facets import CURVED, FINEST, Facets, radii_px, slices
 
 MAX_SIDE_PX = 16384
 """Largest off-screen width or height the software renderers take."""

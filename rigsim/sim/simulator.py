@@ -20,9 +20,9 @@ from rigsim.sim import backend
 from rigsim.sim.frame import StereoFrame, View
 
 if TYPE_CHECKING:
-    from rigsim.sim.boards import TrueCorners
-    from rigsim.sim.points import GroundTruth
-    from rigsim.sim.scene import Scene
+    from rigsim.sim.scenes.boards import TrueCorners
+    from rigsim.sim.scenes.scene import Scene
+    from rigsim.sim.truth.points import GroundTruth
 
 
 SUPERSAMPLE = 2
@@ -57,7 +57,7 @@ class Simulator:
 
         Args:
             scene: name of a bundled scene or path of an MJCF file.
-            mount: where the rig sits, see `rigsim.sim.scene.load_scene`.
+            mount: where the rig sits, see `rigsim.sim.scenes.scene.load_scene`.
             renderer: auto, egl, osmesa or rays.
 
         Raises:
@@ -67,7 +67,7 @@ class Simulator:
         scene = str(given.path(scene, "scene"))
         self.backend = backend.choose(renderer)
         backend.load_mujoco(self.backend)
-        from rigsim.sim.scene import load_scene
+        from rigsim.sim.scenes.scene import load_scene
 
         self.scene: Scene = load_scene(scene, mount)
         self._renderer: Renderer | None = None
@@ -110,8 +110,8 @@ class Simulator:
             RenderMismatch: the renderer disagrees with the rig or with rays.
             RenderUnavailable: the pictures are too large.
         """
-        from rigsim.sim import rays
         from rigsim.sim.render import buffer_size, check_size
+        from rigsim.sim.truth import rays
 
         rig = self._placed()
         own = (rig.left, rig.right)
@@ -155,7 +155,7 @@ class Simulator:
 
     def _looked(self) -> None:
         """Look at what the placed rig has before it, once: note what is odd, refuse a camera in a wall."""
-        from rigsim.sim.outlook import look_around
+        from rigsim.sim.truth.outlook import look_around
 
         self._placed()
         if self._looked_at != self.scene.placements:
@@ -170,15 +170,15 @@ class Simulator:
         range_m: tuple[float, float] | None = None,
         far_limit_m: float = math.inf,
     ) -> GroundTruth:
-        """Ground-truth points for the placed rig; see `rigsim.sim.truth.sample_truth`."""
-        from rigsim.sim.truth import sample_truth
+        """Ground-truth points for the placed rig; see `rigsim.sim.truth.ground_truth.sample_truth`."""
+        from rigsim.sim.truth.ground_truth import sample_truth
 
         self._looked()
         return sample_truth(self.scene, n_points, rng, range_m, far_limit_m)
 
     def true_corners(self) -> TrueCorners:
-        """Corners of the scene's checker boards; see `rigsim.sim.boards`."""
-        from rigsim.sim.boards import true_corners
+        """Corners of the scene's checker boards; see `rigsim.sim.scenes.boards`."""
+        from rigsim.sim.scenes.boards import true_corners
 
         return true_corners(self.scene)
 
@@ -188,7 +188,7 @@ class Simulator:
         Returns:
             Points (N, 3) m in the left camera's frame, NaN where there is nothing; and (N,).
         """
-        from rigsim.sim.truth import points_at
+        from rigsim.sim.truth.ground_truth import points_at
 
         return points_at(self.scene, uv_left)
 
@@ -209,7 +209,7 @@ class Simulator:
     @property
     def remarks(self) -> tuple[Remark, ...]:
         """What a person should know of the scene and of the rigs that looked at it, each said once."""
-        from rigsim.sim import elements, gate
+        from rigsim.sim.scenes import elements, gate
 
         for remark in elements.warned(self.scene.name, gate.heard()):
             self._remarks.setdefault(remark.text, remark)
@@ -239,8 +239,8 @@ class Simulator:
 
     def _ready(self, sizes: list[tuple[int, int]]) -> Renderer:
         """The renderer, made anew when it is to draw larger pictures than before."""
-        from rigsim.sim.rays import RayRenderer
         from rigsim.sim.render import GlRenderer
+        from rigsim.sim.truth.rays import RayRenderer
 
         need = (max(width for width, _ in sizes), max(height for _, height in sizes))
         if self._renderer is not None and (need[0] > self._size[0] or need[1] > self._size[1]):

@@ -12,8 +12,8 @@ import numpy.typing as npt
 from rigsim.errors import InvalidRig
 from rigsim.rig import given
 from rigsim.rig.arrays import Array
-from rigsim.rig.distortion import BrownConrady
 from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.perturbation import NAMES
 from rigsim.rig.stereo import StereoRig
 from rigsim.theory.uncertainty import pixel_gain

@@ -21,10 +21,10 @@ from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
 from rigsim.theory.custom import CheckedTriangulator, Triangulator, load
-from rigsim.theory.lindstrom import triangulate_lindstrom
-from rigsim.theory.linear import triangulate_dlt, triangulate_midpoint
-from rigsim.theory.rectified import triangulate_rectified
-from rigsim.theory.refine import refine
+from rigsim.theory.methods.lindstrom import triangulate_lindstrom
+from rigsim.theory.methods.linear import triangulate_dlt, triangulate_midpoint
+from rigsim.theory.methods.rectified import triangulate_rectified
+from rigsim.theory.methods.refine import refine
 
 
 def triangulate(

@@ -8,8 +8,8 @@ from typing import Any
 from pydantic import Field
 
 from rigsim.interop.documents.base import Part
-from rigsim.study.compare import COLUMNS, ComparisonResult
-from rigsim.study.compare_words import headline, off_bound, sentences
+from rigsim.study.compare.run import COLUMNS, ComparisonResult
+from rigsim.study.compare.words import headline, off_bound, sentences
 
 
 class Versions(Part):

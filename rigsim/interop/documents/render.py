@@ -10,7 +10,7 @@ import numpy as np
 from rigsim.interop.documents.base import Part, Provenance, RemarkPart, SeenRig, Written, seen_rig
 from rigsim.interop.documents.text import clean
 from rigsim.rig.arrays import Array
-from rigsim.study.snapshot import Snapshot
+from rigsim.study.scene.snapshot import Snapshot
 
 _SINGLE = 7  # digits of the single-precision arrays that are written
 

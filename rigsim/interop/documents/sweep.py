@@ -9,9 +9,9 @@ from typing import Any
 from pydantic import Field
 
 from rigsim.interop.documents.base import Part, Provenance, RemarkPart, Written
-from rigsim.study.comparison import compare
-from rigsim.study.result import SweepResult
-from rigsim.study.sweep_symptoms import Fault
+from rigsim.study.sweep.comparison import compare
+from rigsim.study.sweep.result import SweepResult
+from rigsim.study.sweep.symptoms import Fault
 
 
 class SweepProvenance(Provenance):

@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from rigsim.measure.sensor import Sensor
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.presets import PRESETS
+from rigsim.rig.sensor import Sensor
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import SUPERSAMPLE, Simulator
-from rigsim.study.measured import measure
-from rigsim.study.pictures import expose_pair
+from rigsim.study.scene.pictures import expose_pair
+from rigsim.study.scene.third_witness import measure
 from rigsim.study.verify.case import Case
 
 NOISE_PX = 0.25

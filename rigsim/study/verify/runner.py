@@ -11,9 +11,8 @@ import numpy as np
 from rigsim.errors import TriangulatorError, TriangulatorTimeout
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.checks import judge, statistical_checks
-from rigsim.study.verify.diagnosis import diagnose
+from rigsim.study.verify.diagnosis.diagnosis import diagnose
 from rigsim.study.verify.result import CaseResult, Check, TriangulatorResult
-from rigsim.study.verify.triangulators import not_applicable
 from rigsim.theory.custom import CheckedTriangulator, Triangulator
 
 PATIENCE = 3
@@ -99,3 +98,10 @@ def _notes(function: Triangulator) -> tuple[str, ...]:
 def _shape(n: int) -> Check:
     """What an empty case holds a triangulator to, once it has come back in shape."""
     return Check("shape", 0.0, 0.0, 0.0, "", f"The answer has shape ({n}, 3).")
+
+
+def not_applicable(label: str, case: Case) -> str:
+    """Why a known triangulator is not meant for a case; empty when it is."""
+    if label == "rectified" and not case.rig.is_rectified:
+        return "the rig is not rectified"
+    return ""

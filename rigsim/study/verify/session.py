@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rigsim.errors import InvalidRange, InvalidScene, RigsimError
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.provenance import versions
+from rigsim.study.scene.provenance import versions
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.golden import Record, rig_words, scene_record, triangulator_record
 from rigsim.study.verify.rendered import scene_rig
@@ -57,7 +57,7 @@ def gather(selection: Selection, on_scene: Callable[[int], None] = lambda _: Non
         InvalidRange: unknown suite, negative seed, or a pattern that matches no case.
         InvalidScene: no such scene.
     """
-    from rigsim.sim import library
+    from rigsim.sim.scenes import library
 
     patterns = selection.patterns
     scenes = library.names() if selection.scenes is None else selection.scenes

@@ -11,7 +11,7 @@ import numpy as np
 
 from rigsim.errors import InvalidRange, NothingSeen
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.geometry import CORNERS_FROM_BOARDS
+from rigsim.study.scene.look import CORNERS_FROM_BOARDS
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.geometries import GEOMETRIES, Geometry, random_geometry
 from rigsim.study.verify.rendered import measured_case, scene_rig

@@ -1,0 +1,1 @@
+"""`rigsim calc`: closed forms."""

@@ -1,0 +1,111 @@
+"""A handful of named numbers as a table for people, Markdown, CSV or JSON."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import typer
+
+from rigsim.cli.kit.answer import print_document
+from rigsim.errors import InvalidRange
+
+
+@dataclass(frozen=True, slots=True)
+class Fact:
+    """One number of an answer."""
+
+    key: str
+    """Name for machines."""
+    name: str
+    """Name for people."""
+    value: float | str
+    """The number, or a word; infinite where there is no bound, NaN where there is no answer."""
+    unit: str
+    """Its unit; empty for a ratio."""
+    meaning: str
+    """What it says, in a few words."""
+    error: float = math.nan
+    """How far it may be off, in its unit: people get as many decimals as that has three digits."""
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """How the answer is to be printed: for people unless one of the three is asked for."""
+
+    json: bool
+    csv: bool
+    markdown: bool
+
+    def __post_init__(self) -> None:
+        if self.json + self.csv + self.markdown > 1:
+            raise InvalidRange("--json, --csv and --markdown exclude each other: give one")
+
+
+def print_facts(
+    facts: Sequence[Fact],
+    *,
+    title: str,
+    form: Form,
+    extra: Mapping[str, Any] | None = None,
+    rows: Sequence[Sequence[Fact]] | None = None,
+) -> None:
+    """Print `facts` on standard output.
+
+    People get 5 significant digits, or as many as the error leaves; machines all of them; JSON, which knows
+    neither infinity nor NaN, gets null. Lengths are in mm, which machines are told by a last field ``unit``.
+
+    Args:
+        facts: what is told.
+        title: heading of the table.
+        form: for whom.
+        extra: what else JSON holds.
+        rows: facts of CSV, a sequence a line; one line of `facts` by default.
+    """
+    if form.json:
+        print_document({**{fact.key: fact.value for fact in facts}, **(extra or {}), "unit": "mm"})
+    elif form.csv:
+        typer.echo(_csv(rows or [facts]), nl=False)
+    elif form.markdown:
+        typer.echo("| quantity | value | unit | meaning |\n|---|---:|---|---|")
+        for fact in facts:
+            typer.echo(f"| {fact.name} | {_shown(fact)} | {fact.unit} | {fact.meaning} |")
+    else:
+        from rigsim.present.kit.console import print_table
+
+        shown = [(fact.name, _shown(fact), fact.unit, fact.meaning) for fact in facts]
+        numeric = (False, True, False, False)
+        print_table(title, ("quantity", "value", "unit", "meaning"), shown, numeric=numeric)
+
+
+def _csv(rows: Sequence[Sequence[Fact]]) -> str:
+    from rigsim.interop.documents.text import DIGITS, clean
+
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([*(fact.key for fact in rows[0]), "unit"])
+    for row in rows:
+        values = (
+            fact.value if isinstance(fact.value, str) else repr(clean(fact.value, DIGITS)) for fact in row
+        )
+        writer.writerow([*values, "mm"])
+    return text.getvalue()
+
+
+def _shown(fact: Fact) -> str:
+    from rigsim.present.kit.format import fixed, number
+
+    value = fact.value
+    if isinstance(value, str):
+        return value
+    if math.isinf(value):
+        return "infinite"
+    if abs(value) >= 1e9:
+        return f"{value:.4e}"
+    if math.isfinite(fact.error) and fact.error > 0:
+        return fixed(value, min(max(2 - math.floor(math.log10(fact.error)), 0), 9))
+    return number(value, 5)

@@ -1,0 +1,122 @@
+"""Options that commands on a single rig share, and the rig they describe."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, TypeVar, cast
+
+import typer
+
+from rigsim.cli.kit import quantity
+from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
+from rigsim.errors import InvalidRange
+
+if TYPE_CHECKING:
+    from rigsim.rig.stereo import StereoRig
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
+_RIG_OPTIONS: dict[str, Any] = {
+    "baseline": Annotated[
+        str | None,
+        typer.Option(metavar="LENGTH", help="Distance between the cameras: 150 (mm), 15cm, 0.15m."),
+    ],
+    "focal": Annotated[
+        str | None,
+        typer.Option(
+            metavar="FOCAL", help="Focal length: 1200 (px), or 6mm with --sensor-width or --pixel-pitch."
+        ),
+    ],
+    "hfov": Annotated[
+        str | None, typer.Option(metavar="DEG", help="Horizontal field of view, instead of --focal.")
+    ],
+    "sensor_width": Annotated[
+        str | None, typer.Option(metavar="LENGTH", help="Active sensor width: 6.4mm. Needs --resolution.")
+    ],
+    "pixel_pitch": Annotated[str | None, typer.Option(metavar="LENGTH", help="Pixel pitch: 3.45um.")],
+    "resolution": Annotated[str | None, typer.Option(metavar="WxH", help="Image size, px: 1280x960.")],
+    "vergence": Annotated[
+        str | None, typer.Option(metavar="DEG", help="Toe-in angle between the two optical axes.")
+    ],
+    "rig": Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Start from a rig.toml or another calibration; see docs/export.md."
+        ),
+    ],
+    "preset": Annotated[
+        str | None, typer.Option(metavar="NAME", help="Start from a rig by name; see rigsim presets.")
+    ],
+}
+
+Principal = Annotated[
+    str | None,
+    typer.Option(
+        metavar="U,V",
+        help="Principal point of both cameras, px: by default the image's middle, or 0,0 (pixels counted from"
+        " the optical axis) when no image size is known.",
+    ),
+]
+Noise = Annotated[
+    str, typer.Option(metavar="PX", help="Standard deviation of every pixel coordinate in both images.")
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON document, at full precision.")]
+Csv = Annotated[bool, typer.Option("--csv", help="Print CSV, at full precision.")]
+Markdown = Annotated[bool, typer.Option("--markdown", help="Print a Markdown table.")]
+
+
+def takes_rig(command: Callable[Concatenate[RigOptions, _P], _R]) -> Callable[..., _R]:
+    """Give `command` the rig options as its own, and hand them to it as its first argument."""
+
+    @functools.wraps(command)
+    def run(**words: Any) -> _R:
+        options = RigOptions(**{name: words.pop(name) for name in _RIG_OPTIONS})
+        return cast(Callable[..., _R], command)(options, **words)
+
+    own = list(inspect.signature(command, eval_str=True).parameters.values())[1:]
+    rig = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
+        for name, annotation in _RIG_OPTIONS.items()
+    ]
+    parameters = [*(item.replace(kind=inspect.Parameter.KEYWORD_ONLY) for item in own), *rig]
+    # where typer looks for a function's parameters
+    run.__annotations__ = {item.name: item.annotation for item in parameters}
+    vars(run)["__signature__"] = inspect.Signature(parameters)
+    return run
+
+
+def single_rig(options: RigOptions, principal: str | None, *, size_for: str = "") -> StereoRig:
+    """The one rig described by `options`, which have to say all that matters unless they name a rig.
+
+    Args:
+        options: the rig options as typed.
+        principal: ``u,v`` of both cameras; None for the image's middle, or 0,0 when no size is known.
+        size_for: what needs the image size; it may be left out when empty.
+
+    Raises:
+        InvalidRange: something is missing, cannot be read, or describes several rigs.
+    """
+    if options.rig is None and options.preset is None:
+        if options.baseline is None:
+            raise InvalidRange("--baseline is missing: give it, or a whole rig by --rig or --preset")
+        if options.focal is None and options.hfov is None:
+            raise InvalidRange("--focal or --hfov is missing: give one, or a whole rig by --rig or --preset")
+        if options.resolution is None:
+            for name, word in (("--hfov", options.hfov), ("--sensor-width", options.sensor_width)):
+                if word is not None:
+                    raise InvalidRange(
+                        f"{name} {word} needs --resolution: the focal length in px follows from both"
+                    )
+            if size_for:
+                raise InvalidRange(f"{size_for} needs --resolution, or a whole rig by --rig or --preset")
+            principal = principal or "0,0"
+    rig = options.single(DEFAULT_PRESET)
+    if principal is None:
+        return rig
+    cx, cy = quantity.point(principal, "principal point")
+    return replace(rig, left=replace(rig.left, cx=cx, cy=cy), right=replace(rig.right, cx=cx, cy=cy))

@@ -1,0 +1,154 @@
+"""From options about rigs to a grid of rigs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rigsim.cli.kit import quantity
+from rigsim.errors import InvalidRange
+
+if TYPE_CHECKING:
+    from rigsim.rig.stereo import StereoRig
+    from rigsim.study.scene.plan import RigGrid
+
+DEFAULT_PRESET = "boards"
+_SAME_WIDTH = 0.01
+"""By which a sensor's width and its pixels' may differ: data sheets round."""
+
+
+@dataclass(frozen=True, slots=True)
+class RigOptions:
+    """The words that describe rigs, as typed; None where nothing was."""
+
+    rig: Path | None = None
+    preset: str | None = None
+    baseline: str | None = None
+    focal: str | None = None
+    hfov: str | None = None
+    sensor_width: str | None = None
+    pixel_pitch: str | None = None
+    resolution: str | None = None
+    vergence: str | None = None
+
+    @property
+    def has_size(self) -> bool:
+        """Whether anything says how large the images are."""
+        return self.rig is not None or self.preset is not None or self.resolution is not None
+
+    def base(self, scene: str) -> StereoRig:
+        """The rig that is varied: the file's, the preset's, or the one made for the scene."""
+        from rigsim.rig.presets import PRESETS, preset
+
+        if self.rig is not None and self.preset is not None:
+            raise InvalidRange("--rig and --preset both given: give one")
+        if self.rig is not None:
+            from rigsim.interop.formats.calibration import read_calibration
+
+            return read_calibration(self.rig)
+        name = self.preset or (scene if scene in PRESETS else DEFAULT_PRESET)
+        return preset(name).rig
+
+    def disparity_range(self) -> tuple[float, float] | None:
+        """Disparities to search, px, as a Middlebury calib.txt says; None where nothing says."""
+        if self.rig is None:
+            return None
+        from rigsim.interop.formats.calibration import disparity_range
+
+        return disparity_range(self.rig)
+
+    def published_search(self) -> tuple[tuple[float, float], str] | None:
+        """Disparities that the rig's own matcher searches, px, and who says so; None where nobody does."""
+        if self.preset is not None:
+            from rigsim.rig.presets import preset
+
+            named = preset(self.preset)
+            most_px = named.first("max_disparity_px")
+            return None if most_px is None else ((0.0, most_px), f"as published of {named.name}")
+        told = self.disparity_range()
+        return None if told is None else (told, f"as {self.rig} says")
+
+    def grid(self, scene: str) -> RigGrid:
+        """All rigs asked for.
+
+        Raises:
+            InvalidRange: a value cannot be read, or two options contradict each other.
+        """
+        from rigsim.study.scene.plan import RigGrid
+
+        base = self.base(scene)
+        resolutions_px = quantity.resolutions(self.resolution) if self.resolution is not None else ()
+        widths_px = tuple(width for width, _ in resolutions_px) or (base.left.width,)
+        focals_px, hfovs_deg = self._lenses(widths_px)
+        return RigGrid(
+            base=base,
+            baselines_m=tuple(
+                mm / 1e3
+                for mm in (
+                    quantity.values(self.baseline, quantity.BASELINE) if self.baseline is not None else ()
+                )
+            ),
+            focals_px=focals_px,
+            hfovs_deg=hfovs_deg,
+            resolutions_px=resolutions_px,
+            vergences_deg=quantity.values(self.vergence, quantity.VERGENCE)
+            if self.vergence is not None
+            else (),
+        )
+
+    def single(self, scene: str) -> StereoRig:
+        """The one rig asked for.
+
+        Raises:
+            InvalidRange: the options describe several.
+        """
+        grid = self.grid(scene)
+        if len(grid) != 1:
+            raise InvalidRange(f"{len(grid)} rigs given: this command takes one; `rigsim sweep` takes many")
+        return next(iter(grid))
+
+    def _lenses(self, widths_px: Sequence[int]) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Focal lengths in px and fields of view in deg; one of the two is empty."""
+        hfovs_deg = quantity.values(self.hfov, quantity.HFOV) if self.hfov is not None else ()
+        if self.focal is None:
+            if self.sensor_width or self.pixel_pitch:
+                raise InvalidRange("--sensor-width and --pixel-pitch need a --focal in mm")
+            return (), hfovs_deg
+        focals, unit = quantity.focal_lengths(self.focal)
+        if unit == "px":
+            if self.sensor_width or self.pixel_pitch:
+                raise InvalidRange(
+                    f"focal length {self.focal} is in px, and needs no --sensor-width or --pixel-pitch: "
+                    f"write the unit, as in {self.focal.removesuffix('px').strip()}mm, or leave those out"
+                )
+            return focals, hfovs_deg
+        if self.pixel_pitch:
+            pitch_mm = quantity.value(self.pixel_pitch, quantity.PIXEL_PITCH)
+            self._check_width(pitch_mm, widths_px)
+            return tuple(mm / pitch_mm for mm in focals), hfovs_deg
+        if self.sensor_width:
+            # behind the same sensor the lens keeps its field of view, whatever the resolution
+            from math import atan, degrees
+
+            width_mm = quantity.value(self.sensor_width, quantity.SENSOR_WIDTH)
+            lens = tuple(2 * degrees(atan(width_mm / 2 / mm)) for mm in focals)
+            if hfovs_deg:
+                raise InvalidRange("--focal and --hfov both given: they say the same thing, give one")
+            return (), lens
+        raise InvalidRange(
+            f"focal length {self.focal}: mm needs --sensor-width or --pixel-pitch; or give it in px"
+        )
+
+    def _check_width(self, pitch_mm: float, widths_px: Sequence[int]) -> None:
+        """Raise when --sensor-width is not what the pixels add up to."""
+        if not self.sensor_width:
+            return
+        width_mm = quantity.value(self.sensor_width, quantity.SENSOR_WIDTH)
+        for width_px in widths_px:
+            if abs(width_px * pitch_mm - width_mm) > _SAME_WIDTH * width_mm:
+                raise InvalidRange(
+                    f"sensor width {width_mm:g} mm: {width_px} px of {pitch_mm * 1e3:g} um make "
+                    f"{width_px * pitch_mm:.4g} mm; give --sensor-width or --pixel-pitch, not both"
+                )

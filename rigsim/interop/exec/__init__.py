@@ -1,0 +1,1 @@
+"""Programs that triangulate: what they are given, and what is taken from them."""

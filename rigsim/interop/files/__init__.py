@@ -1,0 +1,1 @@
+"""Folders, tables and data sets on disk."""

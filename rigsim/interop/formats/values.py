@@ -1,0 +1,214 @@
+"""Numbers, matrices and rotations in other programs' calibration files: written in full, read with care."""
+
+from __future__ import annotations
+
+import math
+import reprlib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from rigsim import foreign
+from rigsim.errors import InvalidRig, OutputError
+from rigsim.rig.arrays import Array
+from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.lens.distortion import BrownConrady
+
+_LARGEST = 1e12
+_ROUNDED_ROTATION = 2e-3  # three decimals of a rotation's numbers
+_EXACT_ROTATION = 1e-11
+_SHOWN = 40
+_BRIEF = reprlib.Repr()
+_BRIEF.maxlevel, _BRIEF.maxlist, _BRIEF.maxdict, _BRIEF.maxstring = 3, 8, 4, 2 * _SHOWN
+
+
+def real(value: float) -> str:
+    """Every digit of a number, with a point: to YAML 1.1 ``1e-05`` is a word, ``1.0e-05`` a number."""
+    text = repr(float(value))
+    mantissa, e, exponent = text.partition("e")
+    return text if not e or "." in mantissa else f"{mantissa}.0e{exponent}"
+
+
+def reals(values: Iterable[float]) -> str:
+    """Numbers between commas, as in a YAML or JSON list without its brackets."""
+    return ", ".join(real(float(value)) for value in values)
+
+
+def read_text(path: Path) -> str:
+    """The text of a calibration file.
+
+    Raises:
+        OutputError: it cannot be read, or is no text.
+    """
+    try:
+        return foreign.read_text(path, "a calibration file")
+    except UnicodeDecodeError:
+        raise OutputError(f"{path}: is no calibration (not UTF-8 text)") from None
+
+
+def member(table: object, key: str, owner: str = "") -> object:
+    """What a file's table holds under `key`; `owner` says in messages whose table it is.
+
+    Raises:
+        InvalidRig: it is no table, or there is no such key.
+    """
+    of = f" of {owner}" if owner else ""
+    if not isinstance(table, Mapping):
+        raise InvalidRig(f"{owner or 'content'} {shown(table)}: must be a table of names and values")
+    if key not in table:
+        found = ", ".join(str(name) for name in list(table)[:8]) or "nothing"
+        raise InvalidRig(f"{key}{of} is missing (found {clipped(found)}): add it")
+    value: object = table[key]
+    return value
+
+
+def number(value: object, name: str) -> float:
+    """A finite number.
+
+    Raises:
+        InvalidRig: it is none, or beyond 1e12.
+    """
+    if isinstance(value, str):  # YAML takes 1e-05 for a word
+        try:
+            value = float(value)
+        except ValueError:
+            value = shown(value)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise InvalidRig(f"{name} {shown(value)}: must be a number")
+    try:
+        value = float(value)
+    except OverflowError:  # a whole number of more than 308 digits
+        value = math.inf
+    if not abs(value) <= _LARGEST:
+        raise InvalidRig(f"{name} {value:g}: must be finite and within +-{_LARGEST:g}")
+    return value
+
+
+def pixels(value: object, name: str) -> int:
+    """A whole number of pixels, from 1 to a million.
+
+    Raises:
+        InvalidRig: it is none.
+    """
+    size = number(value, name)
+    if not (size.is_integer() and 1 <= size <= 1e6):
+        raise InvalidRig(f"{name} {size:g} px: must be a whole number from 1 to 1e+06")
+    return int(size)
+
+
+def numbers(value: object, name: str, count: int | None = None) -> Array:
+    """A list of `count` finite numbers (or however many there are), (N,).
+
+    Raises:
+        InvalidRig: it is none.
+    """
+    if not isinstance(value, list | tuple):
+        raise InvalidRig(f"{name} {shown(value)}: must be a list of {count or 'numbers'}")
+    if count is not None and len(value) != count:
+        raise InvalidRig(f"{name}: holds {len(value)} values, must be {count}")
+    return np.array([number(item, name) for item in value], dtype=np.float64)
+
+
+def matrix(value: object, name: str, rows: int, columns: int) -> Array:
+    """A matrix (rows, columns) from a list of its rows, or of all its numbers, row by row.
+
+    Raises:
+        InvalidRig: it is none.
+    """
+    if isinstance(value, list) and value and all(isinstance(row, list) for row in value):
+        if len(value) != rows:
+            raise InvalidRig(f"{name}: has {len(value)} rows, must be {rows}")
+        return np.array([numbers(row, name, columns) for row in value])
+    return numbers(value, name, rows * columns).reshape(rows, columns)
+
+
+def rotation(R: Array, name: str) -> Array:
+    """The rotation (3, 3) that a file means by `R`: the nearest one, where its numbers were rounded.
+
+    Raises:
+        InvalidRig: it is further from any rotation than rounding to three decimals takes it.
+    """
+    deviation = float(np.abs(R @ R.T - np.eye(3)).max())
+    if not (deviation <= _ROUNDED_ROTATION and np.linalg.det(R) > 0):
+        raise InvalidRig(
+            f"{name} is no rotation (|R R^T - 1| = {deviation:.2g}, must be <= {_ROUNDED_ROTATION:g}; det ="
+            f" {np.linalg.det(R):.3g}, must be 1): rows must be orthonormal and right-handed"
+        )
+    if deviation <= _EXACT_ROTATION:
+        return R
+    U, _, Vt = np.linalg.svd(R)
+    return np.asarray(U @ Vt)
+
+
+def rotation_from_quaternion(quaternion: Array, name: str) -> Array:
+    """The rotation (3, 3) of a unit quaternion w, x, y, z, (4,).
+
+    Raises:
+        InvalidRig: its length is not 1 to three decimals.
+    """
+    length = float(np.linalg.norm(quaternion))
+    if not abs(length - 1) <= _ROUNDED_ROTATION:
+        raise InvalidRig(f"{name}: a quaternion of length {length:.3g} is no rotation, must be 1")
+    w, x, y, z = (float(part) / length for part in quaternion)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def quaternion_from_rotvec(rotvec_rad: Array) -> tuple[float, float, float, float]:
+    """The unit quaternion (w, x, y, z) of a rotation vector (3,), rad; w >= 0."""
+    half = float(np.linalg.norm(rotvec_rad)) / 2
+    x, y, z = (float(part) * 0.5 * float(np.sinc(half / np.pi)) for part in rotvec_rad)
+    return math.cos(half), x, y, z
+
+
+def lens(width: int, height: int, K: Array, distortion: BrownConrady | None, name: str) -> Intrinsics:
+    """The camera of a camera matrix `K` (3, 3), px.
+
+    Raises:
+        InvalidRig: the matrix has skew, or a last row other than 0 0 1.
+    """
+    if not (K[0, 1] == K[1, 0] == 0 and (K[2] == (0, 0, 1)).all()):
+        row = " ".join(f"{item:g}" for item in (K[0, 1], K[1, 0], *K[2]))
+        raise InvalidRig(f"{name}: must be [fx 0 cx; 0 fy cy; 0 0 1], without skew (found {row})")
+    return Intrinsics(
+        width, height, float(K[0, 0]), float(K[1, 1]), float(K[0, 2]), float(K[1, 2]), distortion
+    )
+
+
+def opencv_distortion(D: Array, name: str) -> BrownConrady | None:
+    """Distortion from OpenCV's k1, k2, p1, p2[, k3[, k4, k5, k6, ...]], as many as are given; None for none.
+
+    Raises:
+        InvalidRig: terms beyond k3 are not 0.
+    """
+    if len(D) not in (0, 4, 5, 8, 12, 14):
+        raise InvalidRig(f"{name}: has {len(D)} numbers, must be 4 (k1, k2, p1, p2), 5 (and k3), or 8 to 14")
+    beyond = [float(value) for value in D[5:] if value != 0]
+    if beyond:
+        raise InvalidRig(
+            f"{name}: a term beyond k3 is {beyond[0]:g}, must be 0: rigsim's lens has k1, k2, p1, p2, k3;"
+            " calibrate with those"
+        )
+    k1, k2, p1, p2, k3 = (float(value) for value in (*D, *[0.0] * 5)[:5])
+    found = BrownConrady(k1, k2, p1, p2, k3)
+    return None if found == BrownConrady() else found
+
+
+def shown(value: object) -> str:
+    """A value as a message quotes it, whatever its size."""
+    try:
+        return clipped(value[: 2 * _SHOWN] if isinstance(value, str) else _BRIEF.repr(value))
+    except ValueError:  # Python writes no whole number of more than 4300 digits
+        return "a number of thousands of digits"
+
+
+def clipped(text: str) -> str:
+    """A text cut to what fits a message."""
+    text = " ".join(text[: 4 * _SHOWN].split())
+    return text if len(text) <= _SHOWN else text[: _SHOWN - 3] + "..."

@@ -1,0 +1,1 @@
+"""Checker boards and their corners."""

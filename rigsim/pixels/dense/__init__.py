@@ -1,0 +1,1 @@
+"""Dense disparities, and how wrong they are."""

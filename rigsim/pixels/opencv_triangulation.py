@@ -1,0 +1,48 @@
+"""OpenCV's linear triangulation in the slot of the built-in ones: an outside witness."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rigsim.pixels.opencv import load_cv2
+from rigsim.rig.arrays import Array
+from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.stereo import StereoRig
+
+_STEPS, _EPSILON = 200, 1e-15
+
+
+def triangulate_cv2(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
+    """``cv2.triangulatePoints`` on undistorted pixels; points (N, 3) m in the left camera's frame.
+
+    Rows with a NaN pixel, or whose lines of sight meet behind a camera or nowhere, are NaN.
+
+    Raises:
+        MeasurementFailed: OpenCV is not installed.
+    """
+    cv2 = load_cv2()
+    found = np.full((len(uv_left), 3), np.nan)
+    given = np.isfinite(uv_left).all(axis=1) & np.isfinite(uv_right).all(axis=1)
+    if not given.any():
+        return found
+    seen = []
+    for lens, uv in ((rig.left, uv_left), (rig.right, uv_right)):
+        criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, _STEPS, _EPSILON)
+        ideal = cv2.undistortPoints(
+            np.ascontiguousarray(uv[given])[:, None, :], lens.K, _coefficients(lens), criteria=criteria
+        )
+        seen.append(np.ascontiguousarray(ideal[:, 0, :].T))
+    pose = rig.right_from_left
+    P_right = np.column_stack([pose.R, pose.t])
+    X = cv2.triangulatePoints(np.eye(3, 4), P_right, seen[0], seen[1])
+    with np.errstate(all="ignore"):
+        points = (X[:3] / X[3]).T
+    depth_right = pose.apply(points)[:, 2]
+    points[~((points[:, 2] > 0) & (depth_right > 0) & np.isfinite(points).all(axis=1))] = np.nan
+    found[given] = points
+    return found
+
+
+def _coefficients(lens: Intrinsics) -> Array | None:
+    bent = lens.distortion
+    return None if bent is None else np.array([bent.k1, bent.k2, bent.p1, bent.p2, bent.k3])

@@ -1,0 +1,1 @@
+"""Points of the left picture found again in the right one."""

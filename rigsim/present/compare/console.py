@@ -1,0 +1,109 @@
+"""A comparison in a terminal: one table at one noise level, and what all levels say in sentences."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from rigsim.present.kit.console import make_console, paragraph, print_table, say
+from rigsim.present.kit.format import MISSING, number, percent, plain, ratio
+from rigsim.study.compare.run import ComparisonResult
+from rigsim.study.compare.words import headline, sentences
+
+HEADS = (
+    "geometry",
+    "triangulator",
+    "pixel error\nover bound",
+    "over\nfirst",
+    "bias beyond\nexpected, σ",
+    "lost\n%",
+    "expected\n%",
+    "million\npoints/s",
+    "over\nfirst",
+)
+"""Columns of `table_rows`."""
+NUMERIC = (False, False, *[True] * 7)
+"""Which of them hold numbers."""
+_LONGEST = 24
+
+
+def print_comparison(
+    result: ComparisonResult, folder: Path | None = None, *, console: Console | None = None
+) -> None:
+    """Print the table at the middle noise level, the conclusion, and what was left out.
+
+    Args:
+        result: the comparison.
+        folder: where the report is; nothing is said about it when None.
+        console: where to; standard output by default.
+    """
+    console = console or make_console()
+    noise_px = shown_noise_px(result)
+    rows = table_rows(result, noise_px)
+    # a name is not said again below itself
+    brief = [
+        (row[0] if not place or rows[place - 1][0] != row[0] else "", _short(row[1]), *row[2:])
+        for place, row in enumerate(rows)
+    ]
+    n = f"{result.plan.n_points:,}".replace(",", "\u202f")
+    print_table(f"{plain(noise_px)} px of noise, {n} points", HEADS, brief, numeric=NUMERIC, console=console)
+    paragraph(console, headline(result), style="bold")
+    for sentence in sentences(result):
+        paragraph(console, sentence, "  ")
+    for sentence in result.left_out:
+        paragraph(console, f"Left out: {sentence}", "  ")
+    if folder is not None:
+        console.print()
+        say(console, f"Report: {folder / 'compare.html'}", "bold")
+
+
+def shown_noise_px(result: ComparisonResult) -> float:
+    """The middle one of the noise levels."""
+    levels = sorted(result.plan.noises_px)
+    return levels[len(levels) // 2]
+
+
+def table_rows(result: ComparisonResult, noise_px: float) -> list[tuple[str, ...]]:
+    """The rows of one noise level as text; their columns are `HEADS`."""
+    rows = result.rows[result.rows["noise_px"] == noise_px]
+    return [_row(record) for record in rows.to_dict("records")]
+
+
+def _row(row: dict[Any, Any]) -> tuple[str, ...]:
+    return (
+        str(row["geometry"]),
+        str(row["triangulator"]),
+        _with_error(row["pixel_error_over_bound"], row["pixel_error_over_bound_se"]),
+        _factor(row["pixel_error_over_first"]),
+        _with_error(
+            row["depth_bias_over_std"] - row["expected_depth_bias_over_std"], row["depth_bias_over_std_se"]
+        ),
+        percent(row["failed_share"]),
+        percent(row["expected_failed_share"]) if row["expected_failed_share"] > 5e-8 else "0",
+        _speed(row["points_per_second"] / 1e6),
+        _speed(row["speed_over_first"]),
+    )
+
+
+def _with_error(value: float, se: float) -> str:
+    """A number and its standard error, to the digits of that: ``1.003 ± 0.003``."""
+    if not (value == value and se == se):
+        return MISSING
+    decimals = 3 if se < 0.0995 else 1 if se < 9.95 else 0
+    sign = "−" if value < -(0.5 * 10**-decimals) else ""
+    return f"{sign}{abs(value):.{decimals}f} ± {se:.{decimals}f}"
+
+
+def _factor(value: float) -> str:
+    return ratio(value) if value < 10 else number(value)
+
+
+def _speed(value: float) -> str:
+    """Two or three digits, the last ones being noise."""
+    return plain(value, 2) if value < 10 else number(value, 2)
+
+
+def _short(label: str) -> str:
+    return label if len(label) <= _LONGEST else "…" + label[-_LONGEST + 1 :]

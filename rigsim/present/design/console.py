@@ -1,0 +1,219 @@
+"""A design in a terminal: the answer, what was asked for beside what is had, why, and what else there is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rigsim.present.kit.console import make_console, print_table
+from rigsim.present.kit.format import MISSING, number
+from rigsim.study.design import words as words
+from rigsim.study.design.proof import Proof, held_to, recommended
+from rigsim.study.design.solve import Candidate, Design, Specification
+from rigsim.study.design.tolerance import DesignTolerance
+from rigsim.theory.inverse import Requirement
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+_MOST = 6
+
+
+def headline(design: Design, proofs: Sequence[Proof]) -> str:
+    """The answer in one sentence."""
+    pick = recommended(design, proofs)
+    return f"{words.size(pick.baseline_m, 4)} baseline, {words.camera(pick.camera)}"
+
+
+def sentences(design: Design, proofs: Sequence[Proof]) -> tuple[str, ...]:
+    """What else must be known: the interval with what binds, its margin, and what became of the proof."""
+    pick = recommended(design, proofs)
+    low, high = pick.interval.lower, pick.interval.upper
+    said = [
+        f"With this camera any baseline from {words.size(low.baseline_m, 4)} to "
+        f"{words.size(high.baseline_m, 4)} will do if cameras are built without error: shorter fails "
+        f"{words.whole(low.requirement)}, longer fails {words.whole(high.requirement)}.",
+        f"The pick keeps {pick.margin * 100:.2g} % of its baseline from the nearer end"
+        + ("; the interval has no more room." if pick.is_tight else "."),
+        _budget(pick, design.specification),
+    ]
+    if not proofs:
+        said.append("Not verified: formulas only, no proof was asked for.")
+    for proof in proofs:
+        rig = f"{words.size(proof.candidate.baseline_m, 4)}, {words.camera(proof.candidate.camera)}"
+        said.append(
+            f"{proof.why[:1].upper()}{proof.why[1:]}." if proof.candidate == pick else f"{rig}: {proof.why}."
+        )
+    spec = design.specification
+    own = next((p for p in proofs if p.candidate == pick), None)
+    if own is not None and own.method == "corners" and spec.noise_source != "measured":
+        said.append(
+            "What is measured are corners of calibration boards, the most exact points there are: surfaces "
+            "come nearer to the noise simulated."
+        )
+    said.append(f"Pixel noise {spec.noise_px:.3g} px per coordinate: {spec.noise_says}.")
+    n = len(design.feasible)
+    said.append(
+        f"{n} of {len(design.intervals)} cameras can do it; preferred: {design.preference}, with room."
+    )
+    return tuple(said)
+
+
+def _budget(pick: Candidate, spec: Specification) -> str:
+    noise, wanted = 100 * pick.noise_share, 100 * spec.build_share
+    said = (
+        f"Noise takes {noise:.3g} % of the variance of the depth error asked for, {100 - noise:.3g} % is "
+        "left for what the build errs"
+    )
+    if pick.keeps_share:
+        return f"{said} (--build-share {wanted:.3g}%)."
+    return f"{said}: less than the {wanted:.3g} % of --build-share, which no rig here leaves."
+
+
+def requirement_rows(design: Design, proofs: Sequence[Proof]) -> list[tuple[str, ...]]:
+    """Requirement, limit, by the formulas, simulated, measured in the pictures, and whether it is met."""
+    pick = recommended(design, proofs)
+    spec = design.specification
+    rows: list[tuple[str, ...]] = []
+    for asked in spec.requirements:
+        held = held_to(asked, pick, proofs)
+        formula = achieved_value(asked, pick, spec)
+        met = asked.is_met(formula) and (held is None or held.is_met)
+        missed = held is not None and held.is_missed_by_pixels
+        rows.append(
+            (
+                words.name(asked),
+                f"{'>=' if asked.at_least else '<='} {words.value(asked, asked.limit)}",
+                words.value(asked, formula, 3),
+                _said(asked, math.nan if held is None else held.simulated),
+                _said(asked, math.nan if held is None else held.measured),
+                "not met" if not met else "measured: not met" if missed else "met",
+            )
+        )
+    return rows
+
+
+REQUIREMENT_HEADS = ("requirement", "asked for", "formula", "simulated", "measured", "")
+"""Heads of `requirement_rows`."""
+
+
+def shown_by_words(design: Design, proofs: Sequence[Proof]) -> str:
+    """How the simulated values were found, in a sentence; empty without a proof."""
+    pick = recommended(design, proofs)
+    checks = [held for asked in design.specification.requirements if (held := held_to(asked, pick, proofs))]
+    if not checks:
+        return ""
+    found = {
+        shown_by: ", ".join(
+            dict.fromkeys(
+                words.name(c.requirement) for c in checks if c.shown_by == shown_by and not c.is_widened
+            )
+        )
+        for shown_by in _SHOWN_BY
+    }
+    said = [f"{names} {_SHOWN_BY[shown_by]}" for shown_by, names in found.items() if names]
+    said += [
+        f"{words.name(c.requirement)} from points at "
+        f"{words.span(c.nearest_m, c.farthest_m)}, the nearest there are"
+        for c in checks
+        if c.is_widened
+    ]
+    return f"Simulated: {'; '.join(said)}."
+
+
+_SHOWN_BY = {
+    "points": "from points of the scene near that distance",
+    "plane": "from a plane at that distance, which the scene has not",
+    "rays": "from the rays at the pictures' borders",
+    "pictures": "from the pictures drawn",
+    "cameras": "from the cameras as placed",
+}
+
+
+def _said(asked: Requirement, value: float) -> str:
+    return words.value(asked, value, 3) if math.isfinite(value) else MISSING
+
+
+def achieved_value(asked: Requirement, pick: Candidate, spec: Specification) -> float:
+    """What `pick` has of `asked`, in the unit of its limit."""
+    return asked.achieved(pick.camera, pick.baseline_m, spec.disparity_std_px)
+
+
+def yields_words(tolerance: DesignTolerance) -> str:
+    """How many rigs of each class are good, in a sentence."""
+    said = (
+        f"{item.name} {words.share(item.as_built.share)} / {words.share(item.recalibrated.share)}"
+        for item in tolerance.yields
+    )
+    worst = max(c.standard_error for item in tolerance.yields for c in (item.as_built, item.recalibrated))
+    return (
+        f"Good rigs with pixel noise, % as built / recalibrated: {', '.join(said)} "
+        f"(standard error up to {100 * worst:.1f})."
+    )
+
+
+def candidate_row(candidate: Candidate) -> tuple[str, ...]:
+    """One rig as the cells of `CANDIDATE_HEADS`."""
+    camera = candidate.camera
+    return (
+        number(candidate.baseline_m * 1e3, 4),
+        number(camera.focal_px, 4),
+        f"{camera.width_px}x{camera.height_px}",
+        f"{math.degrees(camera.hfov_rad):.1f}",
+        number(candidate.far_error_m * 1e3),
+        f"{camera.pixels / 1e6:.2f}",
+        camera.name or "–",
+    )
+
+
+CANDIDATE_HEADS = (
+    "baseline\nmm",
+    "focal\npx",
+    "image\npx",
+    "HFOV\ndeg",
+    "error at far\nend, mm",
+    "image\nMP",
+    "camera",
+)
+
+
+def print_design(
+    design: Design,
+    proofs: Sequence[Proof],
+    tolerance: DesignTolerance | None = None,
+    folder: Path | None = None,
+    *,
+    console: Console | None = None,
+) -> None:
+    """Print the rig, what was asked for and achieved, the Pareto front, and where the report is."""
+    console = console or make_console()
+    verified = any(proof.verified for proof in proofs)
+    badge = "Verified" if verified else "Recommended, not verified"
+    console.print(f"{badge}: {headline(design, proofs)}", style="bold", soft_wrap=True)
+    for sentence in sentences(design, proofs):
+        console.print(f"  {sentence.replace('`', '')}", soft_wrap=True)
+    console.print()
+    print_table(
+        "Asked for and achieved",
+        REQUIREMENT_HEADS,
+        requirement_rows(design, proofs),
+        numeric=(False, True, True, True, True, False),
+        console=console,
+    )
+    if tolerance is not None:
+        console.print(tolerance.says, soft_wrap=True)
+        console.print(yields_words(tolerance), soft_wrap=True)
+        console.print()
+    front = design.pareto[:_MOST]
+    more = f", {_MOST} of {len(design.pareto)}" if len(design.pareto) > _MOST else ""
+    print_table(
+        f"Rigs that no other beats in every way{more}",
+        CANDIDATE_HEADS,
+        [candidate_row(candidate) for candidate in front],
+        numeric=(True,) * 6 + (False,),
+        console=console,
+    )
+    if folder is not None:
+        console.print(f"Report: {folder / 'design.html'}", style="bold", soft_wrap=True)

@@ -1,0 +1,1 @@
+"""An inference for people."""

@@ -1,0 +1,98 @@
+"""The terminal's tables of `rigsim infer`."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from pathlib import Path
+
+from rigsim.present.kit.console import make_console, print_table
+from rigsim.present.kit.format import length, number
+from rigsim.study.infer.run import Inference, Transfer
+from rigsim.study.infer.words import sentence
+
+
+def print_inference(
+    inference: Inference, carried: Transfer | None = None, folder: Path | None = None
+) -> None:
+    """Print what was inferred, and what it does to another rig, on standard output."""
+    print(textwrap.fill(sentence(inference), make_console().width) + "\n")
+    sigma, low, high = inference.disparity_std_px, inference.low_px, inference.high_px
+    why = {
+        "samples": "95 % interval from the counts n",
+        "fit": "95 % interval from the scatter between distances",
+        "none": "no interval: too few distances, and no counts",
+    }[inference.interval_from]
+    between = "" if math.isnan(low) else f"{number(low)} to {number(high)}"
+    rows = [
+        ("disparity std", number(sigma), "px", between, why),
+        ("noise", number(sigma / math.sqrt(2)), "px", "", "per pixel coordinate, as --noise takes it"),
+    ]
+    if inference.fit is not None:
+        for law, misfit in inference.fit.misfit.items():
+            rows.append((f"{law} law", number(100 * misfit, 2), "%", "", "misfit"))
+    if inference.bias is not None:
+        bias = inference.bias
+        rows.append(
+            (
+                "disparity offset",
+                number(bias.disparity_offset_px),
+                "px",
+                _interval(bias.offset_interval_px),
+                "bias part: yaw, principal point",
+            )
+        )
+        if not math.isnan(bias.scale):
+            rows.append(
+                (
+                    "scale error",
+                    number(100 * bias.scale),
+                    "%",
+                    _interval(tuple(100 * end for end in bias.scale_interval)),
+                    "bias part: baseline, focal length",
+                )
+            )
+        rows.append(("bias left over", number(bias.left_rms_m * 1e3), "mm", "", "RMS that neither explains"))
+        rows.append(("bias share", number(100 * bias.share), "%", "", "of the mean squared error"))
+    print_table("Inferred", ("quantity", "value", "unit", "interval", "meaning"), rows)
+    errors = inference.errors
+    print_table(
+        "By distance",
+        ("distance", "depth std", "explained", "disparity std px"),
+        [
+            (length(depth), length(std), length(sigma * gain), number(std / gain))
+            for depth, std, gain in zip(errors.depths_m, errors.stds_m, inference.gains_m_per_px, strict=True)
+        ],
+        numeric=(True, True, True, True),
+    )
+    if carried is not None:
+        lens = carried.rig.left
+        print_table(
+            f"Carried over: baseline {length(carried.rig.baseline_m)}, focal {number(lens.fx, 4)} px",
+            ("distance", "depth std", "from", "to", "note"),
+            [
+                (
+                    length(depth),
+                    length(std),
+                    length(least),
+                    length(most),
+                    "" if fine else "disparity under 4 sigma",
+                )
+                for depth, std, least, most, fine in zip(
+                    carried.depths_m,
+                    carried.stds_m,
+                    carried.lows_m,
+                    carried.highs_m,
+                    carried.trusted,
+                    strict=True,
+                )
+            ],
+            numeric=(True, True, True, True, False),
+        )
+    if folder is not None:
+        make_console().print(f"Files: {folder}", soft_wrap=True)
+
+
+def _interval(ends: tuple[float, ...]) -> str:
+    low, high = ends
+    return "" if math.isnan(low) else f"{number(low, 2)} to {number(high, 2)}"

@@ -1,0 +1,1 @@
+"""A measured pair for people."""

@@ -1,0 +1,146 @@
+"""The end of a sweep in a terminal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+
+from rigsim.present.kit.console import column_widths, make_console, paragraph, print_table, say, total_width
+from rigsim.present.kit.format import count, number, percent, ratio
+from rigsim.study.agreement.agreement import kind_of, reason_of
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from rigsim.present.sweep.plots.axes import Axis
+    from rigsim.study.sweep.result import SweepResult
+
+_MOST_BEST = 5
+
+
+_MOST_REASONS = 3
+
+
+def print_sweep(result: SweepResult, folder: Path | None = None, *, console: Console | None = None) -> None:
+    """Print the end of a sweep: the verdict, the best rows beside their prediction, flags, and the report.
+
+    Args:
+        result: the sweep.
+        folder: where its report.html is; nothing is said about it when None.
+        console: where to; standard output by default.
+    """
+    from rigsim.present.sweep.measured_words import equivalent_noise_words
+    from rigsim.present.sweep.plots.axes import swept_axes
+    from rigsim.present.sweep.same import at_same_distances, same_words
+
+    console = console or make_console()
+    axes = swept_axes(result)
+    rows = result.rows
+    places = list(result.best[:_MOST_BEST]) or list(range(min(len(rows), _MOST_BEST)))
+    paragraph(console, result.verdict.headline, style="bold")
+    for sentence in result.verdict.sentences:
+        paragraph(console, sentence, "  ")
+    console.print()
+
+    same = same_words(result)
+    best = (at_same_distances(result) if same else rows).iloc[places]
+    varied = [axis for axis in axes if best[axis.column].nunique() > 1] or axes[:1]
+    shared = [axis for axis in axes if axis not in varied]
+    title = f"Best {len(places)} of {count(len(rows))}" if len(rows) > len(places) else "Result"
+    if shared:
+        title += ", with " + ", ".join(
+            f"{axis.heading} {axis.say(best.iloc[0][axis.column])}" for axis in shared
+        )
+    columns = _fitting(_sweep_columns(result, best, varied, places), console.width)
+    paragraph(console, title, style="bold")
+    print_table(
+        "",
+        [column.head for column in columns],
+        list(zip(*(column.cells for column in columns), strict=True)),
+        numeric=[column.numeric for column in columns],
+        console=console,
+    )
+    if same:
+        words = f"Simulated and predicted: {same} of the left image, the same for all rows."
+        paragraph(console, words if len(rows) > 1 else f"Simulated and predicted: {same} of the left image.")
+        console.print()
+    noise = equivalent_noise_words(rows.iloc[places[0]])
+    if noise and not any("--noise" in sentence for sentence in result.verdict.sentences):
+        paragraph(console, noise)
+        console.print()
+    _print_flags(result, console, axes)
+    if folder is not None:
+        say(console, f"Report: {folder / 'report.html'}", "bold")
+
+
+@dataclass(frozen=True, slots=True)
+class _Column:
+    head: str
+    cells: tuple[str, ...]
+    numeric: bool
+    importance: int
+
+
+def _sweep_columns(
+    result: SweepResult, best: pd.DataFrame, axes: list[Axis], places: list[int]
+) -> list[_Column]:
+    columns = [
+        _Column(
+            f"{axis.heading}\n{axis.unit}".rstrip(), tuple(map(axis.show, best[axis.column])), axis.numeric, 9
+        )
+        for axis in axes
+    ]
+    agreement = tuple(map(kind_of, best["agreement"]))
+    return [
+        *columns,
+        _Column("simulated\nRMS, mm", tuple(map(number, best["depth_rmse_mm"])), True, 9),
+        _Column("predicted\nRMS, mm", tuple(map(number, best["predicted_depth_rmse_mm"])), True, 5),
+        _Column("predicted/\nsimulated", tuple(map(ratio, best["predicted_over_simulated"])), True, 3),
+        _Column("seen by\nboth, %", tuple(map(percent, best["visible_fraction"])), True, 2),
+        _Column("limited by", tuple(result.limits[place] for place in places), False, 4),
+        *_measured_columns(best),
+        _Column("agreement", agreement, False, 9),
+    ]
+
+
+def _measured_columns(best: pd.DataFrame) -> list[_Column]:
+    """What the third witness says, when there is one."""
+    from rigsim.present.sweep.measured_words import was_measured
+
+    if not was_measured(best):
+        return []
+    return [
+        _Column("measured\nRMS, mm", tuple(map(number, best["measured_depth_rmse_mm"])), True, 8),
+        _Column("measured/\npredicted", tuple(map(ratio, best["measured_over_predicted"])), True, 7),
+    ]
+
+
+def _fitting(columns: list[_Column], width: int) -> list[_Column]:
+    """The columns without the least important ones that a line of `width` has no room for."""
+    columns = list(columns)
+    while min(column.importance for column in columns) < 9:
+        heads = [column.head.split("\n") for column in columns]
+        widths = column_widths(heads, list(zip(*(column.cells for column in columns), strict=True)))
+        if total_width(widths) <= width:
+            break
+        columns.remove(min(columns, key=lambda column: column.importance))
+    return columns
+
+
+def _print_flags(result: SweepResult, console: Console, axes: list[Axis]) -> None:
+    rows = result.rows
+    flagged = rows[rows["agreement"].map(kind_of) == "flagged"]
+    if not len(flagged):
+        return
+    say(console, f"Flagged: {count(len(flagged))} of {count(len(rows))}", "bold yellow")
+    for record in flagged.head(_MOST_REASONS).to_dict("records"):
+        row: dict[Any, Any] = record
+        where = ", ".join(f"{axis.heading} {axis.say(row[axis.column])}" for axis in axes)
+        why = reason_of(str(row["agreement"]))
+        paragraph(console, f"{where}: {why}" if where else why, "  ")
+    if len(flagged) > _MOST_REASONS:
+        say(console, f"  and {count(len(flagged) - _MOST_REASONS)} more, listed in the report")
+    console.print()

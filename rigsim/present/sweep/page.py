@@ -1,0 +1,149 @@
+"""One sweep as a page that explains itself: HTML without scripts, links or network."""
+
+from __future__ import annotations
+
+import base64
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+from matplotlib.figure import Figure
+
+from rigsim.present.kit import style
+from rigsim.present.kit.footprint import footprint
+from rigsim.present.kit.format import count, length
+from rigsim.present.kit.page import flat, prose
+from rigsim.present.kit.pictures import encode
+from rigsim.present.kit.topdown import topdown_figure
+from rigsim.present.sweep import tables
+from rigsim.present.sweep.measured_words import equivalent_noise_words, method_words, was_measured
+from rigsim.present.sweep.plots import curves
+from rigsim.present.sweep.plots.axes import Axis, best_row, swept_axes
+from rigsim.present.sweep.rig_table import rig_table
+from rigsim.present.sweep.same import same_words
+from rigsim.present.sweep.witness_table import witness_table
+from rigsim.study.agreement.agreement import kind_of
+from rigsim.study.sweep.comparison import row_of_bins
+from rigsim.study.sweep.growth import growth_words
+from rigsim.study.sweep.result import SweepResult
+
+_PICTURE_WIDTH = 1100
+_MOST_PICTURE_BYTES = 1_000_000
+
+
+def showcase_figure(result: SweepResult) -> Figure:
+    """The plan of the rig on show."""
+    show = result.showcase
+    return topdown_figure(
+        show.rig, show.points_left, visible=show.visible, depth_error_m=show.depth_rmse_m, noise=show.noise
+    )
+
+
+def report_html(result: SweepResult, plan: Figure | None = None) -> str:
+    """The report of a sweep: verdict, rig, pictures, plots, tables, how to read it, how to make it again.
+
+    `plan` is `showcase_figure(result)` when it is drawn already.
+    """
+    plan_svg = style.to_svg(
+        plan or showcase_figure(result), "plan", "Plan of the rig and its points, from above"
+    )
+    environment = Environment(
+        loader=PackageLoader("rigsim.present"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["prose"] = prose
+    axes = swept_axes(result)
+    figures = [
+        {
+            "svg": Markup(style.to_svg(curves.panel_figure(result, panel), panel.name, panel.title)),
+            "kind": panel.kind,
+            "title": panel.title,
+            "note": panel.note,
+        }
+        for panel in curves.panels(result)
+    ]
+    show = result.showcase
+    best = result.rows.iloc[show.row]
+    provenance = dict(flat(result.provenance))
+    command = provenance.pop("command", "")
+    return environment.get_template("report.html").render(
+        title=_title(result, axes),
+        result=result,
+        witnesses=witness_table(result),
+        equivalent_noise=equivalent_noise_words(best),
+        rig=rig_table(result),
+        rig_words=_rig_words(result, axes),
+        left=_data_uri(show.image_left),
+        right=_data_uri(show.image_right),
+        size=f"{show.rig.left.width} × {show.rig.left.height}",
+        size_right=f"{show.rig.right.width} × {show.rig.right.height}",
+        plan=Markup(plan_svg),
+        plan_words=_plan_words(result),
+        axis_figures=[figure for figure in figures if figure["kind"] != "heat"],
+        heat_figures=[figure for figure in figures if figure["kind"] == "heat"],
+        by_depth=tables.best_by_depth(result),
+        rows=tables.all_rows(result),
+        same=same_words(result),
+        growth=_growth_words(result),
+        n_flagged=int((result.rows["agreement"].map(kind_of) == "flagged").sum()),
+        measured=was_measured(result.rows),
+        method=method_words(best),
+        scene=best["scene"],
+        n_trials=count(best["n_trials"]),
+        command=command,
+        provenance=provenance,
+    )
+
+
+def _title(result: SweepResult, axes: list[Axis]) -> str:
+    scene = best_row(result)["scene"]
+    names = [axis.heading for axis in axes]
+    what = " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+    return f"Sweep of {what} in {scene}" if what else f"One stereo rig in {scene}"
+
+
+def _rig_words(result: SweepResult, axes: list[Axis]) -> str:
+    """Which of the rigs is shown in detail."""
+    if len(result.rows) == 1:
+        return "The rig that was simulated."
+    row = result.rows.iloc[result.showcase.row]
+    where = ", ".join(f"{axis.heading} {axis.say(row[axis.column])}" for axis in axes)
+    return f"The best of {count(len(result.rows))} configurations: {where}."
+
+
+def _growth_words(result: SweepResult) -> str:
+    """How the error of the rig on show grows with depth, as a sentence; empty where there is none."""
+    bins = result.by_depth[row_of_bins(result.rows, result.by_depth) == result.showcase.row]
+    words = growth_words(bins)
+    return f"The error of the rig on show: {words}." if words else ""
+
+
+def _plan_words(result: SweepResult) -> str:
+    show = result.showcase
+    single = int((~show.visible).sum())
+    words = (
+        f"Both cameras stand to scale, {length(show.rig.baseline_m)} apart. Each of the "
+        f"{count(show.visible.sum())} coloured points is a truth point that both cameras see; its colour "
+        "is the RMS of its depth error over all trials. The dark lines join places of equal predicted error."
+    )
+    if single:
+        words += (
+            f" The {count(single)} hollow points are seen by the left camera only, so they have no depth."
+        )
+    nearest = footprint(show.rig).nearest
+    if nearest is not None and nearest[1] > 0:
+        words += f" The dashed green line is the nearest depth that both cameras see, {length(nearest[1])}."
+    return words
+
+
+def _data_uri(image: Any) -> str:
+    """The image as an embedded JPEG, made smaller until it is fit for a page."""
+    width = _PICTURE_WIDTH
+    data = encode(image, "jpeg", width=width)
+    while len(data) > _MOST_PICTURE_BYTES and width > 300:
+        width = width * 3 // 4
+        data = encode(image, "jpeg", width=width)
+    return "data:image/jpeg;base64," + base64.b64encode(data).decode("ascii")

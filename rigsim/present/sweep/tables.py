@@ -1,0 +1,178 @@
+"""The tables of a report: cells as text, ready to be typeset."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from rigsim.present.kit.format import count, number
+from rigsim.present.sweep.column_words import COLUMNS, Column
+from rigsim.present.sweep.measured_words import was_measured
+from rigsim.present.sweep.plots.axes import swept_axes
+from rigsim.present.sweep.same import comparison_of
+from rigsim.study.agreement.agreement import kind_of
+from rigsim.study.sweep.comparison import row_of_bins
+from rigsim.study.sweep.result import SweepResult
+
+MOST_ROWS = 200
+"""Rows of the table of all rows; of more, the best ones are shown."""
+
+_SIMULATED: dict[str, str] = {
+    "depth_rmse_mm": "RMS",
+    "interval": "95 % interval",
+    "predicted_depth_rmse_mm": "predicted",
+    "predicted_over_simulated": "ratio",
+}
+_MEASURED: dict[str, str] = {
+    "measured_depth_rmse_mm": "RMS",
+    "predicted_from_measured_rmse_mm": "predicted",
+    "measured_over_predicted": "ratio",
+    "measured_n": "points",
+    "measured_outlier_fraction": "outliers",
+}
+_OF: dict[str, str] = {
+    "predicted_over_simulated": "pred. / sim.",
+    "measured_over_predicted": "meas. / pred.",
+}
+"""What is divided by what, where the heading is short."""
+_GROUPS: tuple[tuple[str, dict[str, str]], ...] = (
+    ("simulated: depth error", _SIMULATED),
+    ("measured in the pictures: depth error", _MEASURED),
+)
+"""Headings over the columns of the second and the third witness, and those columns' short headings."""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One row of a table."""
+
+    cells: tuple[str, ...]
+    """Texts, one a column."""
+    flagged: bool = False
+    """Whether the witnesses disagree here."""
+    best: bool = False
+    """Whether this is the best configuration."""
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A table for people."""
+
+    headings: tuple[tuple[str, str], ...]
+    """Heading and unit of each column."""
+    numeric: tuple[bool, ...]
+    """Whether a column holds numbers, which stand right."""
+    rows: tuple[Row, ...]
+    """The rows."""
+    note: str = ""
+    """What was left out, in words."""
+    groups: tuple[tuple[str, int], ...] = ()
+    """Headings over several columns: what they say and how many columns they span; none when empty."""
+
+
+def all_rows(result: SweepResult) -> Table:
+    """One row a configuration, in the order of the sweep; of more than `MOST_ROWS` the best, best first."""
+    rows = result.rows
+    places = list(range(len(rows)))
+    note = ""
+    if len(rows) > MOST_ROWS:
+        ranked = list(result.best)
+        chosen = set(ranked)
+        rest = [
+            int(i)
+            for i in np.argsort(comparison_of(result).simulated_mm, kind="stable")
+            if int(i) not in chosen
+        ]
+        places = (ranked + rest)[:MOST_ROWS]
+        note = f"The best {MOST_ROWS} of {count(len(rows))} rows, best first."
+    axes = swept_axes(result)
+    shown: list[_Shown] = [
+        _Shown(axis.heading, axis.unit, axis.column, axis.show if axis.numeric else str, axis.numeric)
+        for axis in axes
+    ]
+    shown += _error_columns(rows)
+    best = result.best[0] if result.best else -1
+    same = _Shown("at the same distances", "mm", "same", number)
+    limits = _Shown("limited by", "", "limits", str, False)
+    table = rows.assign(limits=list(result.limits), same=comparison_of(result).simulated_mm).iloc[places]
+    columns = (*shown, same, limits, _of(COLUMNS["agreement"]))
+    return _table(columns, table, [place == best for place in places], note)
+
+
+def best_by_depth(result: SweepResult) -> Table:
+    """The best configuration, one row a bin of depth."""
+    place = result.best[0] if result.best else result.showcase.row
+    table = result.by_depth[row_of_bins(result.rows, result.by_depth) == place]
+    names = ("depth_near_mm", "depth_far_mm", "n_points")
+    columns = (*(_of(COLUMNS[name]) for name in names), *_error_columns(table), _of(COLUMNS["agreement"]))
+    return _table(columns, table, [False] * len(table))
+
+
+@dataclass(frozen=True, slots=True)
+class _Shown:
+    heading: str
+    unit: str
+    name: str
+    show: Callable[[Any], str]
+    numeric: bool = True
+
+
+def _of(column: Column) -> _Shown:
+    return _Shown(column.heading, column.unit, column.name, column.show, column.show is not str)
+
+
+def _error_columns(table: pd.DataFrame) -> list[_Shown]:
+    """What says how good a configuration is; columns that are nil throughout are left out.
+
+    With a third witness the columns stand in groups, and what a page has no room for stands in the files.
+    """
+    nil = [name for name in ("low_disparity_fraction", "failed_fraction") if not (table[name] > 0).any()]
+    rest = ["visible_fraction", "low_disparity_fraction", "failed_fraction"]
+    if was_measured(table):
+        columns = [replace(_named(name), heading=head) for _, part in _GROUPS for name, head in part.items()]
+        columns = [replace(column, unit=_OF.get(column.name, column.unit)) for column in columns]
+    else:
+        columns = [_named(name) for name in _SIMULATED]
+        rest = ["depth_abs_p95_mm", "depth_bias_mm", "depth_rmse_pct", "nees", *rest]
+    return columns + [_named(name) for name in rest if name not in nil]
+
+
+def _named(name: str) -> _Shown:
+    return _INTERVAL if name == "interval" else _of(COLUMNS[name])
+
+
+def _groups(columns: Sequence[_Shown]) -> tuple[tuple[str, int], ...]:
+    """The headings over columns of the second and the third witness; none without a third."""
+    if not any(column.name in _MEASURED for column in columns):
+        return ()
+    over = [next((heading for heading, names in _GROUPS if column.name in names), "") for column in columns]
+    return tuple((heading, len(list(same))) for heading, same in itertools.groupby(over))
+
+
+def _table(columns: Sequence[_Shown], table: pd.DataFrame, best: list[bool], note: str = "") -> Table:
+    rows = tuple(
+        Row(
+            tuple(
+                _interval(record) if column.name == _INTERVAL.name else column.show(record[column.name])
+                for column in columns
+            ),
+            kind_of(record["agreement"]) == "flagged",
+            is_best,
+        )
+        for record, is_best in zip(table.to_dict("records"), best, strict=True)
+    )
+    headings = tuple((column.heading, column.unit) for column in columns)
+    return Table(headings, tuple(column.numeric for column in columns), rows, note, _groups(columns))
+
+
+def _interval(record: dict[Any, Any]) -> str:
+    low, high = record["depth_rmse_ci_low_mm"], record["depth_rmse_ci_high_mm"]
+    return f"{number(low)} – {number(high)}" if np.isfinite(low) and np.isfinite(high) else number(np.nan)
+
+
+_INTERVAL = _Shown("95 % interval", "mm", "interval", str)

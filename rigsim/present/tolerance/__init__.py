@@ -1,0 +1,1 @@
+"""A tolerance study for people."""

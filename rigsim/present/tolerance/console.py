@@ -1,0 +1,224 @@
+"""A tolerance study for people: the table in a terminal, and one picture."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rigsim.present.kit.console import make_console, print_table
+from rigsim.present.kit.format import MISSING, number, percent, plain
+from rigsim.study.tolerance.built import percentile_mm
+from rigsim.study.tolerance.run import ToleranceResult
+from rigsim.study.tolerance.sensitivities import QUANTITIES, UNITS
+from rigsim.study.tolerance.words import (
+    informed_sentence,
+    interactions_sentence,
+    recalibration_sentence,
+    yield_sentence,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_HEIGHT_IN = 3.6
+
+
+def print_tolerance(result: ToleranceResult, folder: Path | None = None) -> None:
+    """Print the ranked table, the built rigs at each depth, and how many meet the requirement."""
+    print_table(
+        f"Each quantity alone: depth error, mm, first order; what it takes for 95 of 100 rigs to keep"
+        f" {plain(result.required.error_m * 1e3)} mm at {plain(result.required.depth_m)} m"
+        + (" with their noise" if result.noise_px else ""),
+        quantity_heads(result),
+        quantity_rows(result),
+        numeric=quantity_numeric(result),
+    )
+    print_table(
+        f"Shares of the variance at {plain(result.required.depth_m)} m, %, and where tolerances come from",
+        variance_heads(),
+        variance_rows(result),
+        numeric=(False, True, True, True, True, False),
+    )
+    print_table(
+        f"{result.n_rigs} rigs built within tolerance: depth error over the image, mm; rigs with pixel noise",
+        (
+            "distance\nm",
+            "noise\nalone",
+            "build, first\norder",
+            "simu-\nlated",
+            "median\nrig",
+            "95 of 100\nrigs under",
+            "median re-\ncalibrated",
+            "95 of 100\nunder",
+            "first order",
+        ),
+        [
+            (
+                plain(item.depth_m),
+                number(item.noise_mm) if item.noise_mm else "0",
+                number(item.first_order_mm),
+                number(item.rms_mm),
+                *(
+                    MISSING if rigs is None else number(percentile_mm(rigs.whole_mm, level))
+                    for rigs in (item.built, item.recalibrated)
+                    for level in (50, 95)
+                ),
+                "flagged: do not trust" if item.parts else "holds",
+            )
+            for item in result.depths
+        ],
+        numeric=(*[True] * 8, False),
+    )
+    console = make_console()
+    for sentence in (
+        yield_sentence(result),
+        informed_sentence(result),
+        interactions_sentence(result),
+        recalibration_sentence(result),
+    ):
+        if sentence:
+            console.print(textwrap.fill(sentence, console.width), soft_wrap=True)
+    if folder is not None:
+        console.print(f"Files: {folder}", soft_wrap=True)
+
+
+def quantity_heads(result: ToleranceResult) -> tuple[str, ...]:
+    """Heads of the ranked table; a newline starts a second line."""
+    judged = f"{plain(result.required.depth_m)} m"
+    return (
+        "quantity",
+        "std or ±",
+        *(f"at\n{plain(item.depth_m)} m" for item in result.depths),
+        f"common\nat {judged}",
+        "differs\nby place",
+        "share\n%",
+        "needed\nalone",
+        "equal\nshares",
+        "unit",
+    )
+
+
+def quantity_rows(result: ToleranceResult) -> list[tuple[str, ...]]:
+    """Rows of the ranked table, the worst quantity first; depth errors in mm."""
+    return [
+        (
+            QUANTITIES[item.key],
+            _tolerance(result, item.key, item.tolerance),
+            *(number(value) for value in item.depth_rms_mm),
+            number(item.common_mm),
+            number(item.differing_mm),
+            percent(item.share) if item.share > 1e-12 else "0",
+            _tolerance(result, item.key, item.needed_alone),
+            _tolerance(result, item.key, item.needed_equal_share),
+            UNITS[item.key],
+        )
+        for item in result.sensitivities
+    ]
+
+
+def quantity_numeric(result: ToleranceResult) -> tuple[bool, ...]:
+    """Which of the ranked table's columns stand right."""
+    return (False, *[True] * (6 + len(result.depths)), False)
+
+
+def variance_heads() -> tuple[str, ...]:
+    """Heads of the table of shares; a newline starts a second line."""
+    return ("quantity", "first\norder", "Sobol,\nalone", "Sobol, with\nothers", "sampling\nerror", "source")
+
+
+def variance_rows(result: ToleranceResult) -> list[tuple[str, ...]]:
+    """Rows of the table of shares, the worst quantity first: first order beside Sobol indices, in percent."""
+    rows: list[tuple[str, ...]] = []
+    for item in result.sensitivities:
+        shares = (MISSING, MISSING, MISSING)
+        if result.interactions is not None:
+            error, place = result.interactions.error, result.interactions.place(item.key)
+            sampling = max(error.first_se[place], error.total_se[place])
+            shares = (
+                _share(error.first[place]),
+                _share(error.total[place]),
+                percent(sampling) if sampling > 1e-6 else "0",
+            )
+        source = result.tolerances.source(item.key)
+        rows.append((QUANTITIES[item.key], _share(item.share), *shares, source))
+    return rows
+
+
+def _share(value: float) -> str:
+    """A share in percent; estimates of nothing may come out below it."""
+    return percent(value) if value > 1e-6 else "0"
+
+
+def _tolerance(result: ToleranceResult, key: str, value: float) -> str:
+    if math.isinf(value):
+        return "any"
+    if value == 0:
+        return "none"
+    return ("±" if result.tolerances.is_bound(key) else "") + number(value)
+
+
+def tolerance_png(result: ToleranceResult) -> bytes:
+    """PNG of `tolerance_figure`."""
+    from rigsim.present.kit import style
+
+    return style.to_png(tolerance_figure(result))
+
+
+def tolerance_figure(result: ToleranceResult) -> Figure:
+    """What each quantity does, and the share of rigs under each depth error."""
+    from rigsim.present.kit import style
+
+    with style.styled():
+        below: dict[str, Any] = {
+            "loc": "upper center",
+            "bbox_to_anchor": (0.42, -0.2),
+            "ncols": 3,
+            "handlelength": 1.2,
+            "columnspacing": 1.0,
+        }
+        figure = style.new_figure(style.PAGE_WIDTH_IN, _HEIGHT_IN)
+        bars = style.place(figure, 1.68, 0.85, 1.95, 2.4)
+        rows = [item for item in result.sensitivities if item.share > 1e-12][::-1]
+        place = np.arange(len(rows))
+        common = np.array([abs(item.common_mm) for item in rows])
+        bars.barh(place + 0.2, common, 0.38, color=style.BLUE, label="common")
+        bars.barh(
+            place - 0.2,
+            [item.differing_mm for item in rows],
+            0.38,
+            color=style.ORANGE,
+            label="differs by place",
+        )
+        bars.set_yticks(place, [QUANTITIES[item.key] for item in rows])
+        bars.grid(visible=False, axis="y")
+        at = f"{plain(result.required.depth_m)} m"
+        bars.set_xlabel(f"depth error at {at}, mm")
+        bars.set_title("Each alone, first order")
+        bars.legend(**below)
+
+        shares = style.place(figure, 4.35, 0.85, 2.65, 2.4)
+        curves = [("as built", result.judged.built.whole_mm, style.VERMILION)]
+        if result.judged.recalibrated is not None:
+            curves.append(("recalibrated", result.judged.recalibrated.whole_mm, style.GREEN))
+        for label, errors, colour in curves:
+            errors_mm = np.sort(errors)
+            # rigs that lose a point never come under any bound
+            seen = errors_mm[np.isfinite(errors_mm) & (errors_mm > 0)]
+            level = 100 * np.arange(1, len(seen) + 1) / len(errors_mm)
+            shares.plot(seen, level, color=colour, label=label)
+        bound_mm = result.required.error_m * 1e3
+        shares.axvline(bound_mm, color=style.INK, linestyle="--", linewidth=1.0, label="required")
+        finite = np.concatenate([errors[np.isfinite(errors) & (errors > 0)] for _, errors, _ in curves])
+        ends = np.percentile(finite, (1, 99)) if len(finite) else np.array([bound_mm, bound_mm])
+        low, high = min(float(ends[0]), bound_mm / 2), max(float(ends[1]), bound_mm * 2)
+        style.plain_axis(shares, "x", low, high, style.scale_of(np.array([low, high])), max_ticks=5)
+        shares.set_ylim(0, 101)
+        shares.set_xlabel(f"depth error at {at}, mm")
+        shares.set_ylabel("rigs under it, %")
+        shares.set_title("Built rigs with pixel noise" if result.noise_px else "Built rigs")
+        shares.legend(**below)
+    return figure

@@ -1,0 +1,88 @@
+"""Brown-Conrady lens distortion in normalised coordinates (D. C. Brown, 1971; OpenCV's order of terms)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rigsim.errors import InvalidRig
+from rigsim.rig import given
+from rigsim.rig.arrays import Array, Mask
+from rigsim.rig.lens import undistortion
+
+
+@dataclass(frozen=True, slots=True)
+class BrownConrady:
+    """Radial k1, k2, k3 and tangential p1, p2; all zero is the ideal pinhole. No units: x/z and y/z."""
+
+    k1: float = 0.0
+    k2: float = 0.0
+    p1: float = 0.0
+    p2: float = 0.0
+    k3: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("k1", "k2", "p1", "p2", "k3"):
+            value = given.real(getattr(self, name), f"distortion {name}", InvalidRig)
+            if not np.isfinite(value):
+                raise InvalidRig(f"distortion {name} {value}: must be a finite number")
+            object.__setattr__(self, name, value)
+
+    @property
+    def fold_radius2(self) -> float:
+        """Squared ideal radius (x/z)^2 + (y/z)^2 at which the radial polynomial turns back; infinite if it
+        never does. No lens shows what lies beyond: there the polynomial repeats the inner image."""
+        return undistortion.fold_radius2(self.k1, self.k2, self.k3)
+
+    def distort(self, normalized: Array) -> Array:
+        """Map ideal (N, 2) to distorted (N, 2) normalised coordinates."""
+        x, y = normalized[..., 0], normalized[..., 1]
+        r2 = x * x + y * y
+        radial = 1 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3))
+        return np.stack(
+            [
+                x * radial + 2 * self.p1 * x * y + self.p2 * (r2 + 2 * x * x),
+                y * radial + self.p1 * (r2 + 2 * y * y) + 2 * self.p2 * x * y,
+            ],
+            axis=-1,
+        )
+
+    def jacobian(self, normalized: Array) -> Array:
+        """Derivative (N, 2, 2) of `distort` with respect to the ideal coordinates."""
+        x, y = normalized[..., 0], normalized[..., 1]
+        r2 = x * x + y * y
+        radial = 1 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3))
+        slope = 2 * (self.k1 + r2 * (2 * self.k2 + 3 * r2 * self.k3))  # d radial / d x = x * slope
+        cross = x * y * slope + 2 * self.p1 * x + 2 * self.p2 * y
+        jacobian = np.empty((*normalized.shape, 2))
+        jacobian[..., 0, 0] = radial + x * x * slope + 2 * self.p1 * y + 6 * self.p2 * x
+        jacobian[..., 0, 1] = cross
+        jacobian[..., 1, 0] = cross
+        jacobian[..., 1, 1] = radial + y * y * slope + 6 * self.p1 * y + 2 * self.p2 * x
+        return jacobian
+
+    def shows(self, normalized: Array) -> Mask:
+        """Whether the lens shows ideal coordinates (..., 2): within the fold, and where p1 and p2 fold
+        nothing either; there `distort` is one to one."""
+        x, y = normalized[..., 0], normalized[..., 1]
+        r2 = x * x + y * y
+        shown = np.asarray(r2 < self.fold_radius2)
+        if self.p1 == 0 and self.p2 == 0:
+            return shown
+        shown = shown & self._is_one_to_one(normalized)
+        for dip2 in undistortion.dips2(self):
+            with np.errstate(divide="ignore", invalid="ignore"):
+                at_dip = normalized * np.sqrt(dip2 / r2)[..., None]
+            shown &= (r2 <= dip2) | self._is_one_to_one(at_dip)
+        return shown
+
+    def _is_one_to_one(self, normalized: Array) -> Mask:
+        """Whether the Jacobian (..., 2, 2), which is symmetric, is positive definite."""
+        J = self.jacobian(normalized)
+        a, b, c = J[..., 0, 0], J[..., 1, 1], J[..., 0, 1]
+        return np.asarray((a * b > c * c) & (a + b > 0))
+
+    def undistort(self, distorted: Array) -> Array:
+        """Invert `distort` (..., 2) to rounding; NaN where the lens shows no ideal point."""
+        return undistortion.undistort(self, distorted)

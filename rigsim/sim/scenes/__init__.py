@@ -1,0 +1,1 @@
+"""Scenes: found, checked, read, and given cameras."""

@@ -1,0 +1,1 @@
+"""Ground truth: rays, surfaces and the points on them."""

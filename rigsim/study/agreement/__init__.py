@@ -1,0 +1,1 @@
+"""Whether witnesses agree: the tests, and what they decide."""

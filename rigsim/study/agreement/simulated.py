@@ -1,0 +1,145 @@
+"""Whether prediction and simulation agree: one family of tests, with one false alarm rate for a whole row.
+
+`rigsim.study.agreement.whitened` has the tests. They are run on all points together, on each depth bin,
+and on nine regions and five columns of the left image; points under 4 sigma of depth are in none.
+Bonferroni over all of them holds the false alarms of a row at `FALSE_ALARMS`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rigsim.rig.arrays import Array, Mask
+from rigsim.study.agreement.agreement import AGREES, Agreement, worst
+from rigsim.study.agreement.whitened import Finding, examine, point_by_point, whitened
+from rigsim.study.scene.statistics import ErrorStatistics
+from rigsim.study.scene.trials import Prediction
+from rigsim.theory.uncertainty import LEAST_DEPTH_SIGMAS
+
+FALSE_ALARMS = 1e-4
+"""Probability that a row of a correct rig is flagged, over all its tests together."""
+
+FEW = 50
+"""Triangulations below which even a scatter 1.5 times too large would pass: 5 / sqrt(2 n) = 0.5."""
+
+_FAILED = (3, 1e-3)  # more failures than this, in number and share, are no accident at 4 sigma
+_EXACT_PX = 1e-6  # what arithmetic may cost where there is no noise
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """Some of the visible points."""
+
+    where: str
+    """Where they are: "at 2 to 2.5 m"."""
+    inside: Mask
+    """Which they are, (N,)."""
+
+
+def image_parts(uv_left: Array, width_px: int, height_px: int) -> list[Part]:
+    """A grid of three by three regions of the left image, and five columns."""
+    across = np.clip((uv_left[:, 0] + 0.5) / width_px, 0, 1 - 1e-9)
+    down = np.clip((uv_left[:, 1] + 0.5) / height_px, 0, 1 - 1e-9)
+    parts = [
+        Part(f"in the {row} {column} of the image", (np.floor(3 * across) == i) & (np.floor(3 * down) == j))
+        for j, row in enumerate(("upper", "middle", "lower"))
+        for i, column in enumerate(("left", "centre", "right"))
+    ]
+    fifths = ("leftmost", "second", "middle", "fourth", "rightmost")
+    return parts + [
+        Part(f"in the {name} fifth of the image's columns", np.floor(5 * across) == i)
+        for i, name in enumerate(fifths)
+    ]
+
+
+def compare(
+    prediction: Prediction, stats: ErrorStatistics, bins: Sequence[Part], regions: Sequence[Part]
+) -> tuple[Agreement, list[Agreement]]:
+    """The agreement of the whole row, and that of each depth bin; a flagged bin or region flags the row.
+
+    Args:
+        prediction: of the visible points.
+        stats: their simulated errors.
+        bins: depth bins.
+        regions: parts of the image.
+    """
+    whole = Part("", np.ones(len(stats.count), dtype=bool))
+    ahead = [_beforehand(prediction, stats, part.inside) for part in (whole, *bins)]
+    if ahead[0] is not None and ahead[0].kind == "untold":
+        return ahead[0], [own or ahead[0] for own in ahead[1:]]
+    kept = ~prediction.low_disparity
+    sums = whitened(prediction, stats, kept)
+    parts = [whole, *bins, *regions]
+    findings = [
+        tuple(examine(sums, part.inside[kept])) if sums.count[part.inside[kept]].any() else ()
+        for part in parts
+    ]
+    if stats.n_trials > 1 and findings[0]:
+        findings[0] += (point_by_point(sums),)
+    limit = FALSE_ALARMS / max(sum(map(len, findings)), 1)
+    n_bins = len(bins)
+    told = [
+        own or _judge(found, limit) for own, found in zip(ahead[1:], findings[1 : n_bins + 1], strict=True)
+    ]
+    everywhere = [_judge(found, limit, part.where) for found, part in zip(findings, parts, strict=True)]
+    failed = [own for own in ahead if own is not None and own.kind == "flagged"]
+    return worst([*failed, *everywhere]), told
+
+
+def _beforehand(prediction: Prediction, stats: ErrorStatistics, inside: Mask) -> Agreement | None:
+    """What is known of some points before any test; None when they can be tested."""
+    kept = inside & ~prediction.low_disparity
+    tried, n = int(kept.sum()) * stats.n_trials, int(stats.count[kept].sum())
+    failed = tried - n
+    if not inside.any():
+        return _untold("left and right share nothing")
+    if not kept.any():
+        return _untold(f"every depth is below {LEAST_DEPTH_SIGMAS:g} of its standard deviations")
+    if n == 0:
+        return Agreement("flagged", "simulated", "failures", why="every triangulation failed")
+    if failed > _FAILED[0] and failed > _FAILED[1] * tried:
+        why = f"{failed / tried * 100:.2g} % of the triangulations failed"
+        return Agreement("flagged", "simulated", "failures", why=why)
+    if np.isinf(prediction.depth_sigmas[kept]).all():
+        return _without_noise(math.sqrt(float(stats.sum_nees[kept].sum()) / n / 3))
+    if not np.isfinite(prediction.whitening[:, kept]).all():
+        return _untold("noise so correlated leaves no spread to test")
+    if n < FEW:
+        return _untold(f"{n} triangulations are too few")
+    return None
+
+
+def _without_noise(error_px: float) -> Agreement:
+    """Exact pixels must give exact points; of noise they tell nothing."""
+    if error_px <= _EXACT_PX:
+        return _untold("without noise there is no error to compare; every point is found exactly")
+    why = f"simulated error of {error_px:.2g} px where none is predicted"
+    return Agreement("flagged", "simulated", "position", why=why)
+
+
+def _untold(why: str) -> Agreement:
+    return Agreement("untold", "simulated", why=why)
+
+
+def _judge(findings: Sequence[Finding], limit: float, where: str = "") -> Agreement:
+    """Flagged by the first test whose p-value is below `limit`; one that is no number is flagged too."""
+    for finding in findings:
+        if not finding.p >= limit:
+            why = _words(finding) + (f" {where}" if where else "")
+            return Agreement("flagged", "simulated", finding.quantity, finding.ratio, why)
+    return AGREES
+
+
+def _words(finding: Finding) -> str:
+    ratio, quantity = finding.ratio, finding.quantity
+    if not quantity.endswith("spread"):
+        return f"simulated {quantity} is {finding.sigmas:.3g} standard errors from the prediction"
+    what = "simulated error" if quantity == "depth spread" else "simulated position error"
+    if not ratio < 2:
+        return f"{what} {ratio:.3g} times the prediction"
+    side = "above" if ratio > 1 else "below"
+    return f"{what} {abs(ratio - 1) * 100:.2g} % {side} the prediction"

@@ -1,0 +1,1 @@
+"""What a calculator says beside its numbers."""

@@ -1,0 +1,1 @@
+"""Triangulators side by side."""

@@ -1,0 +1,189 @@
+"""What a comparison says, in sentences made from its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from rigsim.study.compare.run import ComparisonResult
+
+_ERROR = 0.05
+"""Probability that any row of a triangulator at the bound is called off it."""
+_LOST = 1e-3
+_WORTH_SAYING = 0.002
+_WHOLE = 1e6  # points a second
+
+
+def quantile(result: ComparisonResult) -> float:
+    """How many standard errors a row may be off, so that all rows together hold with 95 %."""
+    from scipy.stats import norm
+
+    return float(norm.isf(_ERROR / 2 / max(len(result.rows), 1)))
+
+
+def off_bound(result: ComparisonResult) -> pd.Series[bool]:
+    """Whether a row's pixel error is farther from the bound than noise takes it; True without a number."""
+    rows = result.rows
+    return ~((rows["pixel_error_over_bound"] - 1).abs() <= quantile(result) * rows["bound_se"])
+
+
+def headline(result: ComparisonResult) -> str:
+    """The comparison in one sentence."""
+    rows, off = result.rows, off_bound(result)
+    count = rows["triangulator"].value_counts()
+    labels = [label for label in result.triangulators if label in count.index]
+    good = [label for label in labels if not off[rows["triangulator"] == label].any()]
+    everywhere = [label for label in good if count[label] == count.max()]
+    partly = [label for label in good if label not in everywhere]
+    where = "everywhere" if rows["geometry"].nunique() > 1 else f"in {rows['geometry'].iloc[0]}"
+    said = []
+    if everywhere:
+        said.append(f"{listed(everywhere)} {_verb(everywhere, 'stay')} within noise of the bound {where}")
+    if partly:
+        said.append(
+            f"{listed(partly)} wherever {'it' if len(partly) == 1 else 'they'} ran"
+            if everywhere
+            else f"{listed(partly)} {_verb(partly, 'stay')} within noise of the bound, not run everywhere"
+        )
+    lead = ", ".join(said) or f"None stays within noise of the bound {where}"
+    bad = [label for label in labels if label not in good]
+    worst = _worst(rows[off & rows["pixel_error_over_bound"].notna()])
+    if not bad:
+        return f"{lead}."
+    if worst is None:
+        return f"{lead}; {listed(bad)} {_verb(bad, 'return')} no point somewhere."
+    return f"{lead}; {worst['triangulator']} is farthest off, {_times(worst)} the bound in {_place(worst)}."
+
+
+def sentences(result: ComparisonResult) -> tuple[str, ...]:
+    """What else there is to say: who is off and where, biases, failures, speed."""
+    return (
+        *_accuracy(result),
+        *_against_first(result),
+        *_biases(result),
+        *_failures(result),
+        *_speeds(result),
+    )
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names in a sentence: ``a, b and c``."""
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
+def _verb(names: Sequence[str], verb: str) -> str:
+    return f"{verb}s" if len(names) == 1 else verb
+
+
+def _accuracy(result: ComparisonResult) -> list[str]:
+    rows, off = result.rows, off_bound(result)
+    said = []
+    for label in result.triangulators:
+        mine = rows["triangulator"] == label
+        worst = _worst(rows[mine & off & rows["pixel_error_over_bound"].notna()])
+        if worst is not None:
+            where = listed(list(dict.fromkeys(rows[mine & off]["geometry"])))
+            said.append(f"{label} is off the bound in {where}, at most {_times(worst)} in {_place(worst)}.")
+    return said
+
+
+def _against_first(result: ComparisonResult) -> list[str]:
+    """Triangulators within noise of the bound that are surely worse than the first for the same noise."""
+    rows, off, first = result.rows, off_bound(result), result.triangulators[0]
+    more = rows["pixel_error_over_first"] - 1
+    sure = (more > quantile(result) * rows["pixel_error_over_first_se"]) & (more >= _WORTH_SAYING)
+    said = []
+    for label in result.triangulators[1:]:
+        mine = more[sure & ~off & (rows["triangulator"] == label)]
+        if len(mine):
+            row = rows.loc[mine.idxmax()]
+            pair = _pair(row["pixel_error_over_first"], row["pixel_error_over_first_se"])
+            said.append(f"{label} {pair} times in {_place(row)}")
+    if not said:
+        return []
+    return [
+        f"Within noise of the bound, but surely more than {first}'s error for the same noise: {listed(said)}."
+    ]
+
+
+def _biases(result: ComparisonResult) -> list[str]:
+    """The largest bias of each triangulator that is surely one, beyond what lost points leave."""
+    rows = result.rows
+    beyond = rows["depth_bias_over_std"] - rows["expected_depth_bias_over_std"]
+    sure = beyond.abs() > quantile(result) * rows["depth_bias_over_std_se"]
+    said, unbiased = [], []
+    for label in result.triangulators:
+        mine = beyond[sure & (rows["triangulator"] == label)]
+        if len(mine):
+            row = rows.loc[mine.abs().idxmax()]
+            value, se = float(mine[row.name]), row["depth_bias_over_std_se"]
+            lost = row["expected_failed_share"] > _LOST
+            beside = ", beyond what lost points leave" if lost else ""
+            side = "far" if value > 0 else "near"
+            said.append(
+                f"{label}'s points are too {side} by up to {_pair(abs(value), se)} σ of depth,"
+                f" in {_place(row)}{beside}."
+            )
+        elif beyond[rows["triangulator"] == label].notna().any():
+            unbiased.append(label)
+    if unbiased:
+        said.append(f"{listed(unbiased)} {_verb(unbiased, 'show')} no bias beyond noise.")
+    return said
+
+
+def _failures(result: ComparisonResult) -> list[str]:
+    """Triangulators that lose more or fewer points than the noise makes impossible."""
+    rows = result.rows
+    more = rows["failed_share"] - rows["expected_failed_share"]
+    # one point is nothing to speak of
+    sure = more.abs() > quantile(result) * rows["expected_failed_share_se"] + 1 / rows["n"]
+    said = []
+    for label in result.triangulators:
+        mine = more[sure & (rows["triangulator"] == label)]
+        if len(mine):
+            row = rows.loc[mine.abs().idxmax()]
+            said.append(
+                f"{label} loses {100 * row['failed_share']:.3g} % of the points in {_place(row)}, where noise"
+                f" must lose {100 * row['expected_failed_share']:.3g} %."
+            )
+    return said or ["Every triangulator loses as many points as noise must lose."]
+
+
+def _speeds(result: ComparisonResult) -> list[str]:
+    """The median speed over geometries, fastest first."""
+    known = result.rows[result.rows["points_per_second"].notna()]
+    if not len(known):
+        return []
+    median = known.groupby("triangulator", sort=False)["points_per_second"].median()
+    fastest = median.sort_values(ascending=False)
+    said = ", ".join(f"{label} {_two(rate / _WHOLE)}" for label, rate in fastest.items())
+    return [f"Speed, million points/s, median over geometries: {said}."]
+
+
+def _worst(rows: pd.DataFrame) -> pd.Series[Any] | None:
+    """The row that is farthest from the bound, up or down; None without rows."""
+    if not len(rows):
+        return None
+    return rows.loc[np.log(rows["pixel_error_over_bound"].clip(lower=1e-12)).abs().idxmax()]
+
+
+def _place(row: pd.Series[Any]) -> str:
+    return f"{row['geometry']} at {row['noise_px']:g} px"
+
+
+def _times(row: pd.Series[Any]) -> str:
+    return f"{_pair(row['pixel_error_over_bound'], row['pixel_error_over_bound_se'])} times"
+
+
+def _pair(value: float, se: float) -> str:
+    """A number with its standard error, to the digits of that."""
+    decimals = 4 if se < 0.0005 else 3 if se < 0.005 else 2 if se < 0.05 else 1 if se < 0.95 else 0
+    return f"{value:.{decimals}f} ± {se:.{decimals}f}"
+
+
+def _two(value: float) -> str:
+    """Two significant digits, without powers of ten."""
+    return f"{value:.0f}" if value >= 10 else np.format_float_positional(value, 2, fractional=False, trim="-")

@@ -1,0 +1,226 @@
+"""What a placed rig really has of each requirement: from its points, its pictures and its rays.
+
+None of it uses the formulas that the rig was found by. A depth error is held to the simulated points nearest
+its distance: each may err by what is asked for times (its depth / that distance) squared, and the RMS (or the
+95th percentile) of all of them is compared. The matches found in the pictures are held to the same. What a
+rig sees at a distance is found by projecting: points of the scene near that distance where it has them, a
+plane there where it has not.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rigsim.rig.arrays import Array, Ids
+from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.noise import PixelNoise
+from rigsim.rig.stereo import StereoRig
+from rigsim.theory.inverse import Requirement
+from rigsim.theory.triangulation import triangulate
+
+if TYPE_CHECKING:
+    from rigsim.study.scene.third_witness import Measured
+
+FEWEST_POINTS = 100
+"""Simulated points that a depth error is held to at least."""
+FEWEST_MATCHES = 30
+"""Matches, or points of the scene, that say something about a distance at least."""
+_WINDOW = 1.25  # points within this factor of the distance
+_REACH = 2.0  # farther off than this factor, points say nothing about the distance
+_PLANE_SAMPLES = 1 << 16
+_SIGMAS = 2.0  # standard errors that a measurement may miss by
+# standard error of an RMS and of a 95th percentile of |e|, over themselves, times sqrt(n); e normal
+_RMS_SE, _P95_SE = 1 / math.sqrt(2), 0.951
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sight:
+    """All that is known of a rig in a scene."""
+
+    rig: StereoRig
+    """The rig as it was placed."""
+    centres_apart_m: float
+    """Distance of the two cameras in the scene, m."""
+    picture_px: tuple[int, int]
+    """Width and height of the pictures drawn, px."""
+    points_left: Array
+    """Simulated points, (N, 3), m; seen by both cameras."""
+    depth_rmse_m: Array
+    """RMS depth error of each over its trials, (N,), m."""
+    noise: PixelNoise
+    """Noise of the simulation."""
+    n_trials: int
+    """Trials of each point."""
+    measured: Measured | None
+    """Matches found in the pictures; None where nothing was measured."""
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """One requirement and what the rig has of it."""
+
+    requirement: Requirement
+    """What was asked for."""
+    simulated: float
+    """What the rig has, in the unit of the requirement's limit; NaN where nothing says so."""
+    shown_by: str
+    """What says so: points, plane, rays, pictures or cameras."""
+    n_points: int = 0
+    """Points of the scene it rests on, where it rests on them."""
+    nearest_m: float = math.nan
+    """Depth of the nearest of them, m."""
+    farthest_m: float = math.nan
+    """Depth of the farthest of them, m."""
+    slack: float = 0.0
+    """How coarsely `simulated` was found, in its unit."""
+    measured: float = math.nan
+    """The same from the pixels, for depth errors; NaN where too little was matched near the distance."""
+    n_measured: int = 0
+    """Matches near the distance."""
+    points: frozenset[int] = field(default=frozenset(), repr=False)
+    """Which of the sight's points a depth error rests on: two requirements may share them."""
+    matches: frozenset[int] = field(default=frozenset(), repr=False)
+    """Which of its matches, likewise."""
+
+    @property
+    def is_widened(self) -> bool:
+        """Whether some of the points lie beyond a factor of 1.25 of the distance, for want of nearer ones."""
+        if self.shown_by != "points" or not self.n_points:
+            return False
+        at_m = self.requirement.depth_m
+        return max(at_m / self.nearest_m, self.farthest_m / at_m) > _WINDOW * (1 + 1e-9)
+
+    @property
+    def is_met(self) -> bool:
+        """Whether the rig has what was asked for; never where nothing says so."""
+        return self.requirement.is_met(
+            self.simulated + (self.slack if self.requirement.at_least else -self.slack)
+        )
+
+    @property
+    def is_missed_by_pixels(self) -> bool:
+        """Whether the measured error is too large by more than two of its standard errors."""
+        if not self.n_measured or math.isnan(self.measured):
+            return False
+        relative_se = (_RMS_SE if self.requirement.per_std == 1 else _P95_SE) / math.sqrt(self.n_measured)
+        return self.measured > self.requirement.limit * (1 + _SIGMAS * relative_se)
+
+
+def check(asked: Requirement, sight: Sight, rng: np.random.Generator) -> Check:
+    """Hold a rig to one requirement; `rng` draws the trials of a percentile."""
+    rig = sight.rig
+    match asked.kind:
+        case "depth_error":
+            return _with_measured(_depth_error(asked, sight, rng), sight)
+        case "max_disparity" | "far_disparity":
+            return _disparity(asked, sight)
+        case "overlap" | "cover":
+            return _plane(asked, rig)
+        case "fov":
+            return Check(asked, min(_fov_rad(rig.left), _fov_rad(rig.right)), "rays")
+        case "pixels":
+            return Check(asked, float(math.prod(sight.picture_px)), "pictures")
+        case "max_baseline":
+            return Check(asked, sight.centres_apart_m, "cameras")
+
+
+def nearest_points(depth_m: Array, at_m: float, fewest: int) -> Ids:
+    """Places of the depths (N,) within 1.25 of `at_m`, or the nearest `fewest` within 2; else none."""
+    away = np.abs(np.log(depth_m / at_m))
+    order = np.argsort(away, kind="stable")
+    count = max(int((away <= math.log(_WINDOW)).sum()), fewest)
+    chosen = order[:count]
+    chosen = chosen[away[chosen] <= math.log(_REACH)]
+    return np.asarray(chosen if len(chosen) >= fewest else chosen[:0], dtype=np.int32)
+
+
+def _depth_error(asked: Requirement, sight: Sight, rng: np.random.Generator) -> Check:
+    known = np.flatnonzero(np.isfinite(sight.depth_rmse_m))
+    points, rmse_m = sight.points_left[known], sight.depth_rmse_m[known]
+    chosen = nearest_points(points[:, 2], asked.depth_m, FEWEST_POINTS)
+    if not len(chosen):
+        return Check(asked, math.nan, "points")
+    depth_m = points[chosen, 2]
+    scale = (depth_m / asked.depth_m) ** 2
+    if asked.per_std == 1:
+        error_m = math.sqrt(float(np.mean(rmse_m[chosen] ** 2)) / float(np.mean(scale**2)))
+    else:
+        error_m = _p95_m(points[chosen], scale, sight, rng)
+    near_m, far_m = float(depth_m.min()), float(depth_m.max())
+    places = frozenset(known[chosen].tolist())
+    return Check(asked, error_m, "points", len(chosen), near_m, far_m, points=places)
+
+
+def _p95_m(points_left: Array, scale: Array, sight: Sight, rng: np.random.Generator) -> float:
+    """95th percentile of |depth error| over points and trials, each scaled to the requirement's distance."""
+    shape = (sight.n_trials, len(points_left), 2)
+    uv_left, uv_right = (np.broadcast_to(uv, shape) for uv in sight.rig.project(points_left))
+    noisy_left, noisy_right = sight.noise.apply(uv_left, uv_right, rng)
+    found = triangulate(sight.rig, noisy_left.reshape(-1, 2), noisy_right.reshape(-1, 2))[:, 2]
+    error_m = np.abs(found.reshape(shape[:2]) - points_left[:, 2]) / scale
+    return float(np.quantile(np.where(np.isfinite(error_m), error_m, math.inf), 0.95))
+
+
+def _with_measured(held: Check, sight: Sight) -> Check:
+    measured, asked = sight.measured, held.requirement
+    if measured is None or not len(measured.outlier):
+        return held
+    near = np.abs(np.log(measured.points_left[:, 2] / asked.depth_m)) <= math.log(_WINDOW)
+    kept = near & ~measured.outlier
+    if kept.sum() < FEWEST_MATCHES:
+        return held
+    depth_m = measured.points_left[kept, 2]
+    found = triangulate(sight.rig, measured.uv_left[kept], measured.uv_right[kept])
+    error_m, scale = found[:, 2] - depth_m, (depth_m / asked.depth_m) ** 2
+    if asked.per_std == 1:
+        size_m = math.sqrt(float(np.mean(error_m**2)) / float(np.mean(scale**2)))
+    else:
+        size_m = float(np.quantile(np.abs(error_m) / scale, 0.95))
+    places = frozenset(np.flatnonzero(kept).tolist())
+    return replace(held, measured=size_m, n_measured=len(places), matches=places)
+
+
+def _disparity(asked: Requirement, sight: Sight) -> Check:
+    """The largest disparity at a distance, or the smallest over its standard deviation."""
+    near = np.abs(np.log(sight.points_left[:, 2] / asked.depth_m)) <= math.log(_WINDOW)
+    points = sight.points_left[near]
+    shown_by, n_points = "points", len(points)
+    if n_points < FEWEST_MATCHES:
+        points, shown_by, n_points = plane(sight.rig, asked.depth_m), "plane", 0
+    uv_left, uv_right = sight.rig.project(points)
+    # a disparity goes with one over the depth
+    disparity_px = (uv_left - uv_right)[:, 0] * points[:, 2] / asked.depth_m
+    if asked.kind == "max_disparity":
+        value = float(disparity_px.max())
+    else:
+        value = float(disparity_px.min()) / sight.noise.disparity_std_px
+    return Check(asked, value, shown_by, n_points, float(points[:, 2].min()), float(points[:, 2].max()))
+
+
+def _plane(asked: Requirement, rig: StereoRig) -> Check:
+    """What both cameras see of a plane: share of the left image's columns, or metres."""
+    points = plane(rig, asked.depth_m)
+    seen = rig.right.contains(rig.project(points)[1])
+    if asked.kind == "overlap":
+        return Check(asked, float(seen.mean()), "plane", slack=2 / len(points))
+    step_m = float(points[1, 0] - points[0, 0])
+    return Check(asked, float(seen.sum()) * step_m, "plane", slack=2 * step_m)
+
+
+def plane(rig: StereoRig, depth_m: float) -> Array:
+    """Points (N, 3) m at one depth, evenly along the left image's middle row, from edge to edge."""
+    lens = rig.left
+    u = (np.arange(_PLANE_SAMPLES) + 0.5) / _PLANE_SAMPLES * lens.width - 0.5
+    rays = lens.normalize(np.column_stack([u, np.full(len(u), lens.cy)]))
+    return np.column_stack([rays * depth_m, np.full(len(u), depth_m)])
+
+
+def _fov_rad(lens: Intrinsics) -> float:
+    """Angle between the rays through the left and the right border of the middle row, rad."""
+    edges = lens.normalize([[-0.5, lens.cy], [lens.width - 0.5, lens.cy]])
+    left, right = np.column_stack([edges, np.ones(2)])
+    return math.atan2(float(np.linalg.norm(np.cross(left, right))), float(left @ right))

@@ -1,0 +1,193 @@
+"""What would help where no class of builders will do: found by trying, never by rule of thumb."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from rigsim.errors import InvalidRange
+from rigsim.rig.stereo import StereoRig
+from rigsim.study.design import words as words
+from rigsim.study.design.budget import MARGIN
+from rigsim.study.design.solve import Candidate, Specification
+from rigsim.study.tolerance.count import AS_BUILT, RECALIBRATED, Count, count_good
+from rigsim.study.tolerance.sensitivities import (
+    CLASSES,
+    QUANTITIES,
+    Requirement,
+    Tolerances,
+    causes,
+    first_order,
+    shared_points,
+    with_values,
+)
+from rigsim.study.tolerance.session import Recalibration
+
+_TIGHTER = 10.0
+_HELD = " held to a tenth of what the class holds"
+_SIGMAS = 2.5758  # a rise this many standard errors large is chance in one try of two hundred
+_LEAST_RISE = 0.02
+_POINTS = 32
+
+
+@dataclass(frozen=True, slots=True)
+class Best:
+    """The class that comes nearest."""
+
+    name: str
+    """The class."""
+    recalibrated: bool
+    """Whether each rig is recalibrated."""
+    count: Count
+    """Its good rigs."""
+
+
+@dataclass(frozen=True, slots=True)
+class Attempt:
+    """One thing that was changed, and the good rigs then."""
+
+    says: str
+    """What was changed, in words."""
+    count: Count
+    """The good rigs of the class that came nearest."""
+
+    def helps(self, before: Count) -> bool:
+        """Whether the yield rises by more than chance, and by more than 2 points."""
+        rise = self.count.share - before.share
+        return rise > max(_LEAST_RISE, _SIGMAS * math.hypot(self.count.standard_error, before.standard_error))
+
+
+@dataclass(frozen=True, slots=True)
+class _Change:
+    says: str
+    rig: StereoRig
+    tolerances: Tolerances
+    noise_px: float
+    session: Recalibration
+
+
+def attempts(
+    specification: Specification,
+    pick: Candidate,
+    best: Best,
+    required: Requirement,
+    others: Sequence[Candidate],
+    seed: int,
+) -> tuple[Attempt, ...]:
+    """Build rigs of the class that comes nearest again, with one thing changed at a time."""
+    range_m = (specification.near_m, specification.far_m)
+    found = []
+    for change in _changes(specification, pick, best, required, others):
+        try:
+            count = count_good(
+                change.rig,
+                change.tolerances,
+                required,
+                range_m,
+                noise_px=change.noise_px,
+                recalibration=change.session if best.recalibrated else None,
+                sizes=RECALIBRATED[:1] if best.recalibrated else AS_BUILT[:1],
+                seed=seed,
+            )
+        except InvalidRange:
+            continue  # such a rig sees too little to be judged
+        found.append(Attempt(change.says, count))
+    return tuple(found)
+
+
+def help_sentence(best: Best, tried: Sequence[Attempt]) -> str:
+    """What of all that was tried would do, else what helps, else that nothing does; empty without any."""
+    if not tried:
+        return ""
+    how = "recalibrated" if best.recalibrated else "as built"
+    nearest = f"Nearest comes {best.name} {how}, {words.share(best.count.share)} %"
+    enough = _shortest([item for item in tried if item.count.is_enough])
+    if enough:
+        said = "; or ".join(f"{item.says} ({words.share(item.count.share)} %)" for item in enough)
+        return f"{nearest}: it would do with {said}."
+    helping = sorted((item for item in tried if item.helps(best.count)), key=lambda item: -item.count.share)
+    if helping:
+        said = ", ".join(f"{item.says} ({words.share(item.count.share)} %)" for item in helping)
+        return f"{nearest}; what helps, if not enough alone: {said}."
+    said = ", ".join(item.says for item in tried)
+    return f"{nearest}; nothing that was tried helps: {said}. Ask for less, or leave more for the build."
+
+
+def _shortest(enough: Sequence[Attempt]) -> list[Attempt]:
+    """Without those that only hold more quantities than another."""
+    return [
+        item
+        for item in enough
+        if not any(
+            other is not item and item.says.startswith(other.says.removesuffix(_HELD)) and _HELD in other.says
+            for other in enough
+        )
+    ]
+
+
+def _changes(
+    specification: Specification,
+    pick: Candidate,
+    best: Best,
+    required: Requirement,
+    others: Sequence[Candidate],
+) -> Iterator[_Change]:
+    rig, noise_px = pick.rig, specification.noise_px
+    session, built = Recalibration(noise_px=noise_px), CLASSES[best.name]
+    plain = _Change("", rig, built.tolerances(rig), noise_px, session)
+    if best.recalibrated:
+        yield replace(
+            plain,
+            says="ten times the pictures",
+            session=replace(session, pictures=10 * session.pictures),
+        )
+        sharper = session.length_std_mm / _TIGHTER
+        yield replace(
+            plain,
+            says=f"a length known to {sharper:g} mm",
+            session=replace(session, length_std_mm=sharper),
+        )
+    else:
+        for says, values in _tighter(rig, plain.tolerances, required):
+            bounds = plain.tolerances.bounds
+            yield replace(
+                plain, says=says, tolerances=with_values(plain.tolerances, {**values, "bounds": bounds})
+            )
+    longest_m = pick.interval.upper.baseline_m / (1 + MARGIN)
+    if longest_m > 1.02 * pick.baseline_m:
+        longer = replace(pick, baseline_m=longest_m).rig
+        says = f"the longest baseline allowed, {words.size(longest_m)}"
+        yield replace(plain, says=says, rig=longer, tolerances=built.tolerances(longer))
+    elsewhere = [item for item in others if item.camera != pick.camera]
+    if elsewhere:
+        other = min(elsewhere, key=lambda item: item.far_error_m)
+        says = f"another rig, {words.size(other.baseline_m)} baseline and {words.camera(other.camera)}"
+        yield replace(plain, says=says, rig=other.rig, tolerances=built.tolerances(other.rig))
+    half = noise_px / 2
+    yield replace(
+        plain,
+        says=f"half the pixel noise, {half:.3g} px",
+        noise_px=half,
+        session=replace(session, noise_px=half),
+    )
+
+
+def _tighter(
+    rig: StereoRig, tolerances: Tolerances, required: Requirement
+) -> Iterator[tuple[str, Mapping[str, float]]]:
+    """The quantities that do most held to a tenth: the first, the first two, the first three."""
+    off = causes(rig, tolerances)
+    errors = first_order(rig, off, shared_points(rig, required.depth_m, _POINTS))
+    # the left and the right camera's are one thing to calibrate
+    groups: dict[str, list[int]] = {}
+    for place, key in enumerate(off.keys):
+        groups.setdefault(key.removeprefix("left_").removeprefix("right_"), []).append(place)
+    worst = sorted(groups.values(), key=lambda places: -float((errors[:, places] ** 2).sum()))
+    named: list[str] = []
+    values: dict[str, float] = {}
+    for places in worst[:3]:
+        name = QUANTITIES[off.keys[places[0]]]
+        named.append(name if len(places) == 1 else name.replace("left ", "").replace("right ", ""))
+        values.update({off.keys[place]: float(off.values[place]) / _TIGHTER for place in places})
+        yield f"{' and '.join(named)}{_HELD}", dict(values)

@@ -1,0 +1,250 @@
+"""The proof of a design: the pick is rendered, simulated and measured as in a sweep, then held to the word.
+
+Every requirement is held to what the placed rig shows (`rigsim.study.design.checks`); the formulas have no
+part in it. A pick is verified when every requirement holds in the simulation, no measured depth error misses
+by more than two of its standard errors, and the sweep's own verdict flags nothing. The next to be tried lies
+farther along the same camera's interval, away from what failed; then come other cameras.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from rigsim.rig.noise import PixelNoise
+from rigsim.study.agreement.agreement import kind_of, reason_of
+from rigsim.study.design import words as words
+from rigsim.study.design.checks import Check, Sight, check
+from rigsim.study.design.solve import Candidate, Design, Specification, solve
+from rigsim.theory.inverse import GATES, LOWER
+
+if TYPE_CHECKING:
+    from rigsim.study.design.room import Room
+    from rigsim.study.scene.columns import Showcase
+    from rigsim.study.scene.plan import Plan
+    from rigsim.theory.inverse import Camera
+
+
+from rigsim.theory.inverse import Requirement
+
+CAMERAS = 3
+"""Cameras that are tried before giving up, each at up to three baselines."""
+ROUNDS = 3
+"""Times that a noise shown by the pixels is taken instead of the one assumed."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Proof:
+    """What became of one candidate."""
+
+    candidate: Candidate
+    """The rig."""
+    checks: tuple[Check, ...]
+    """Every requirement."""
+    verified: bool
+    """Whether simulation and pixels keep what the formulas promised, and no witness objects."""
+    why: str
+    """One sentence: how it was verified, or why not."""
+    show: Showcase | None
+    """Its points and pictures; None where the scene has nothing to simulate."""
+    sensor: str = ""
+    """What the pictures were taken with."""
+    method: str = ""
+    """What was measured in them; empty when nothing was."""
+
+    @property
+    def lacks_points(self) -> bool:
+        """Whether the scene has too few points at a distance where something is asked for."""
+        return any(math.isnan(held.simulated) for held in self.checks)
+
+    @property
+    def wants(self) -> int:
+        """1 where what failed asks for a longer baseline, -1 for a shorter one, 0 where neither is told."""
+        missed = [held for held in self.checks if not held.is_met or held.is_missed_by_pixels]
+        longer = any(held.requirement.kind in LOWER for held in missed)
+        shorter = any(held.requirement.kind not in LOWER | GATES for held in missed)
+        return int(longer) - int(shorter)
+
+
+def prove(
+    design: Design, room: Room, noise: PixelNoise | None = None, cameras: int = CAMERAS
+) -> tuple[Proof, ...]:
+    """Prove candidates, the first one first, until one is verified.
+
+    Args:
+        design: what the formulas say.
+        room: where.
+        noise: what is simulated; the specification's by default.
+        cameras: cameras tried at most.
+
+    Returns:
+        One proof a candidate tried, the last one verified if any is.
+
+    Raises:
+        RenderMismatch: the renderer disagrees with the rig or with rays.
+        RenderUnavailable: the renderer asked for does not work here.
+    """
+    proofs: list[Proof] = []
+    while (candidate := following(design, proofs, cameras)) is not None:
+        proofs.append(_prove(candidate, design, room, noise or PixelNoise(design.specification.noise_px)))
+        if proofs[-1].verified:
+            break
+    return tuple(proofs)
+
+
+def following(
+    design: Design,
+    proofs: Sequence[Proof],
+    cameras: int = CAMERAS,
+    gone: Collection[tuple[Camera, float]] = (),
+) -> Candidate | None:
+    """The candidate to try after those that failed: the same camera farther along, then others; or None.
+
+    Where the last one failed for want of a longer baseline, only longer ones of its camera are worth a try,
+    and likewise shorter ones. Where the scene had too little to show, none is. `gone` are cameras and
+    baselines that failed before.
+    """
+    left = [c for c in design.candidates if (c.camera, c.baseline_m) not in gone]
+    if not proofs:
+        return next(iter(left), None)
+    last, tried = proofs[-1], {proof.candidate.camera for proof in proofs}
+    if last.show is None:
+        return None
+    if not last.lacks_points:
+        done = {p.candidate.baseline_m for p in proofs if p.candidate.camera == last.candidate.camera}
+        along = [c for c in left if c.camera == last.candidate.camera and c.baseline_m not in done]
+        if last.wants != 0:
+            along = [c for c in along if (c.baseline_m - last.candidate.baseline_m) * last.wants > 0]
+        if along:
+            return min(along, key=lambda c: abs(math.log(c.baseline_m / last.candidate.baseline_m)))
+    if len(tried) >= cameras:
+        return None
+    return next((c for c in left if c.camera not in tried), None)
+
+
+def settle_and_prove(
+    specification: Specification, cameras: Sequence[Camera], preference: str, room: Room
+) -> tuple[Design, tuple[Proof, ...]]:
+    """The design with its own sensor's noise, and its proofs: when pixels miss, their noise is taken instead.
+
+    Raises:
+        InvalidRig: no rig meets the requirements with the noise measured last.
+        RenderMismatch: as `prove`.
+        RenderUnavailable: as `prove`.
+    """
+    from rigsim.study.design.room import measure_noise, settle
+
+    design = settle(specification, cameras, preference, room)
+    proofs: list[Proof] = []
+    current: list[Proof] = []  # those of the noise that counts now
+    rounds = 0
+    # with more noise, what missed with less is not tried again
+    while candidate := following(
+        design, current, gone={(p.candidate.camera, p.candidate.baseline_m) for p in proofs}
+    ):
+        noise = PixelNoise(design.specification.noise_px)
+        proofs.append(_prove(candidate, design, room, noise))
+        current.append(proofs[-1])
+        if proofs[-1].verified:
+            break
+        if rounds < ROUNDS and any(held.is_missed_by_pixels for held in proofs[-1].checks):
+            rounds += 1
+            when = f"by {words.camera(candidate.camera)}, which missed with less"
+            found = measure_noise(specification, candidate, room, when)
+            if found.noise_px > design.specification.noise_px:
+                design, current = solve(found, cameras, preference), []
+    return design, tuple(proofs)
+
+
+def _prove(candidate: Candidate, design: Design, room: Room, noise: PixelNoise) -> Proof:
+    trial = room.trial(candidate)
+    label, matches = trial.fitting.label, trial.matches
+    if trial.seen is None:
+        return Proof(candidate, (), False, f"not verified: {trial.why}", None, label)
+    row, show, centres_apart_m = room.row(candidate, noise)
+    sight = Sight(
+        rig=show.rig,
+        centres_apart_m=centres_apart_m,
+        picture_px=(show.image_left.shape[1], show.image_left.shape[0]),
+        points_left=show.points_left[show.visible],
+        depth_rmse_m=show.depth_rmse_m[show.visible],
+        noise=show.noise,
+        n_trials=room.plan.n_trials,
+        measured=matches,
+    )
+    rng = room.plan.stream("percentile", room.plan.scene, show.rig, repr(show.noise))
+    checks = tuple(check(asked, sight, rng) for asked in design.specification.requirements)
+    why = _objection(checks, str(row["agreement"]), room.plan)
+    method = matches.method if matches is not None and len(matches.outlier) else ""
+    verified = not why
+    if verified:
+        why = grounds(checks, room.plan, method, label)
+    return Proof(
+        candidate, checks, verified, why if verified else f"not verified: {why}", show, label, method
+    )
+
+
+def grounds(checks: Sequence[Check], plan: Plan, method: str, label: str) -> str:
+    """How a pick was verified: on what was simulated and measured, each point counted once."""
+    errors = [held for held in checks if held.requirement.kind == "depth_error"]
+    # two requirements of one distance rest on the same points
+    n_points = len(frozenset[int]().union(*(held.points for held in errors)))
+    n_measured = len(frozenset[int]().union(*(held.matches for held in errors)))
+    simulated = (
+        f"verified: simulated in `{plan.scene}` on {n_points} points {_where(errors)}, "
+        f"{plan.n_trials} trials each"
+    )
+    if n_measured:
+        return f"{simulated}, and measured on {n_measured} {method} in the pictures (sensor: {label})"
+    return f"{simulated}; the pictures have too little to measure near those distances"
+
+
+def _where(errors: Sequence[Check]) -> str:
+    """Where the points lie: near the distances, or else how far off."""
+    widened = {
+        held.requirement.depth_m: f"at {words.span(held.nearest_m, held.farthest_m)} "
+        f"(too few are closer to {words.distance(held.requirement.depth_m)})"
+        for held in errors
+        if held.is_widened
+    }
+    if all(held.is_widened for held in errors):
+        return " and ".join(widened.values())
+    return " and ".join(["near the distances asked for", *widened.values()])
+
+
+def _objection(checks: Sequence[Check], agreement: str, plan: Plan) -> str:
+    """Why the proof fails; empty when it does not."""
+    for held in checks:
+        asked = held.requirement
+        if math.isnan(held.simulated):
+            return (
+                f"`{plan.scene}` has too few points near {words.distance(asked.depth_m)}, which no baseline "
+                "changes; choose another --scene"
+            )
+        if not held.is_met:
+            return (
+                f"the {words.name(asked)} simulates to {words.value(asked, held.simulated, 3)}, "
+                f"asked for {words.value(asked, asked.limit, 3)}"
+            )
+    for held in checks:
+        if held.is_missed_by_pixels:
+            asked = held.requirement
+            return (
+                f"the {words.name(asked)} simulates to {words.value(asked, held.simulated, 3)} as asked for, "
+                f"but measures {words.value(asked, held.measured, 3)} in the pictures "
+                f"({held.n_measured} matches), more than the {words.value(asked, asked.limit, 3)} allowed"
+            )
+    return reason_of(agreement) if kind_of(agreement) == "flagged" else ""
+
+
+def recommended(design: Design, proofs: Sequence[Proof]) -> Candidate:
+    """The rig to take: the one verified, else the first that the formulas name."""
+    return next((proof.candidate for proof in proofs if proof.verified), design.candidates[0])
+
+
+def held_to(asked: Requirement, pick: Candidate, proofs: Sequence[Proof]) -> Check | None:
+    """What the proof of `pick` says of one requirement; None where there is none."""
+    checks = (held for proof in proofs if proof.candidate == pick for held in proof.checks)
+    return next((held for held in checks if held.requirement == asked), None)

@@ -1,0 +1,244 @@
+"""The room where rigs are tried: rendered in a scene with their sensor, and measured in the pictures.
+
+A sensor's noise, as a design needs it, is what is found there: patches of the pictures are matched, and the
+errors of their disparities against the truth give a standard deviation. Surfaces are what a rig is bought
+for, so corners of calibration boards, which are ten times as exact, do not count.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import TracebackType
+
+import numpy as np
+
+from rigsim.errors import InvalidRig, NothingSeen
+from rigsim.rig.noise import PixelNoise
+from rigsim.rig.remark import Remark
+from rigsim.rig.sensor import Sensor
+from rigsim.sim.simulator import Simulator
+from rigsim.study.design import words as words
+from rigsim.study.design.checks import FEWEST_MATCHES, nearest_points
+from rigsim.study.design.solve import Candidate, Design, Specification, solve
+from rigsim.study.scene.columns import Row, Showcase
+from rigsim.study.scene.look import Look, Outcome, all_rows, look, measure_pictures, simulate
+from rigsim.study.scene.pictures import without_noise
+from rigsim.study.scene.plan import Plan
+from rigsim.study.scene.third_witness import Measured
+from rigsim.theory.inverse import Camera
+
+ROUNDS = 3
+"""Designs, each from the noise measured with the one before, before it is left at that."""
+AGREES = 0.1
+"""A measured noise this near the assumed one, as a share of it, confirms it."""
+MANY_PIXELS = 4e6
+"""Larger pictures are drawn with one sample a pixel: a proof must not take a minute."""
+_STARTS_PX = (0.05, 0.0125, 0.003)  # less when no rig meets the requirements with it
+_MAD = 1.4826  # standard deviation over median absolute value, of a normal error
+
+
+@dataclass(frozen=True, slots=True)
+class Fitting:
+    """What pictures of a camera are taken with."""
+
+    label: str
+    """What it is called in tables."""
+    sensor: Sensor
+    """Lens and sensor."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trial:
+    """One rig in the scene."""
+
+    fitting: Fitting
+    """Its sensor."""
+    plan: Plan
+    """How it was tried; the noise in it is no part of the pictures."""
+    seen: Look | None
+    """Pictures and truth points; None where the rig sees nothing."""
+    measured: Mapping[str, Measured]
+    """What a sweep measures in the pictures, by the sensor's label; empty when nothing was measured."""
+    matches: Measured | None
+    """Matches that depth errors are held to: of surfaces where the room asks for them, else the sweep's."""
+    why: str = ""
+    """Why the rig sees nothing."""
+
+
+class Room:
+    """A scene, kept open while candidates are tried in it; use it as a context manager."""
+
+    def __init__(
+        self, plan: Plan, fit: Callable[[Camera], Fitting] | None = None, *, surfaces: bool = False
+    ) -> None:
+        """Open the scene.
+
+        Args:
+            plan: as for a sweep.
+            fit: what a camera's pictures are taken with; the plan's first sensor by default.
+            surfaces: match patches for the depth errors, whatever else a sweep measures.
+
+        Raises:
+            InvalidScene: scene or mount cannot be used.
+            RenderUnavailable: the renderer asked for does not work here.
+        """
+        label, sensor = next(iter(plan.sensors.items()))
+        self.plan = plan
+        self._fit = fit or (lambda camera: Fitting(label, sensor))
+        self._surfaces = surfaces
+        self._simulator = Simulator(plan.scene, plan.mount, plan.renderer)
+        self._trials: list[tuple[Camera, float, Trial]] = []
+
+    def __enter__(self) -> Room:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._simulator.close()
+
+    @property
+    def remarks(self) -> tuple[Remark, ...]:
+        """What is odd about the scene or the candidates' place in it."""
+        return self._simulator.remarks
+
+    def trial(self, candidate: Candidate) -> Trial:
+        """Place, draw and measure `candidate`; what was tried last is remembered.
+
+        Raises:
+            RenderMismatch: the renderer disagrees with the rig or with rays.
+            RenderUnavailable: the pictures are too large.
+        """
+        for camera, baseline_m, trial in self._trials:
+            if (camera, baseline_m) == (candidate.camera, candidate.baseline_m):
+                self._simulator.place(candidate.rig)
+                return trial
+        trial = self._try(candidate)
+        self._trials[:] = [(candidate.camera, candidate.baseline_m, trial)]
+        return trial
+
+    def _try(self, candidate: Candidate) -> Trial:
+        fitting = self._fit(candidate.camera)
+        plan = replace(self.plan, sensors={fitting.label: fitting.sensor})
+        if candidate.camera.pixels > MANY_PIXELS:
+            plan = replace(plan, supersample=1)
+        try:
+            seen = look(self._simulator, candidate.rig, plan)
+        except NothingSeen as error:
+            return Trial(fitting, plan, None, {}, None, str(error))
+        measured = measure_pictures(self._simulator, candidate.rig, plan, seen)
+        matches = measured.get(fitting.label)
+        if self._surfaces and matches is not None and matches.method != "patches":
+            patches = replace(plan, measure="patches")
+            matches = measure_pictures(self._simulator, candidate.rig, patches, seen)[fitting.label]
+        return Trial(fitting, plan, seen, measured, matches)
+
+    def row(self, candidate: Candidate, noise: PixelNoise) -> tuple[Row, Showcase, float]:
+        """The row that a sweep of `candidate` gives, points and pictures, and the cameras' distance, m."""
+        trial, rig = self.trial(candidate), candidate.rig
+        if trial.seen is None:
+            raise InvalidRig(trial.why)
+        truth = trial.seen.truth
+        plan = replace(trial.plan, noises=(noise,))
+        outcome: Outcome = all_rows(self._simulator, rig, plan, trial.seen, trial.measured)
+        _, stats = simulate(
+            self._simulator, rig, truth, noise, plan, np.zeros(len(truth.visible), dtype=np.int32)
+        )
+        depth_rmse_m = np.full(len(truth.visible), math.nan)
+        depth_rmse_m[truth.visible] = next(iter(stats.values())).depth_rmse_m
+        frame = trial.seen.exposures[without_noise(trial.fitting.sensor)].frame
+        show = Showcase(
+            row=0,
+            rig=rig,
+            noise=noise,
+            image_left=frame.left.image,
+            image_right=frame.right.image,
+            points_left=truth.points_left,
+            visible=truth.visible,
+            sensor=trial.fitting.sensor,
+            depth_rmse_m=depth_rmse_m,
+        )
+        left, right = (self._simulator.scene.world_from_camera(side) for side in (0, 1))
+        return outcome.rows[0], show, float(np.linalg.norm(left.t - right.t))
+
+
+def measured_noise_px(measured: Measured, range_m: tuple[float, float], depths_m: Sequence[float]) -> float:
+    """Noise of one coordinate, px, that the matches' disparities show; NaN with fewer than 30 of them.
+
+    The robust ``1.4826 median |error| / sqrt(2)`` of all matches within `range_m`, or the RMS over sqrt(2) of
+    those near one of `depths_m`, where an error is asked for and tails count: whichever is worst. Both are
+    about the truth, so that a bias counts too.
+    """
+    depth_m = measured.points_left[:, 2]
+    good = ~measured.outlier & (depth_m >= range_m[0]) & (depth_m <= range_m[1])
+    if good.sum() < FEWEST_MATCHES:
+        return math.nan
+    depth_m, error_px = depth_m[good], measured.disparity_error_px[good]
+    found = [_MAD * float(np.median(np.abs(error_px)))]
+    for at_m in depths_m:
+        near = nearest_points(depth_m, at_m, FEWEST_MATCHES)
+        if len(near):
+            found.append(math.sqrt(float(np.mean(error_px[near] ** 2))))
+    return max(found) / math.sqrt(2)
+
+
+def settle(specification: Specification, cameras: Sequence[Camera], preference: str, room: Room) -> Design:
+    """The design whose noise is what its own sensor achieves in `room`.
+
+    Solve with a guess, measure with the rig recommended, solve again with what was measured, rounded up to
+    two digits, until it is confirmed within `AGREES`, `ROUNDS` at most.
+
+    Raises:
+        InvalidRig: no rig meets the requirements, with the noise measured last.
+        RenderMismatch: as `Room.trial`.
+        RenderUnavailable: as `Room.trial`.
+    """
+    design = _start(specification, cameras, preference)
+    for done in range(1, ROUNDS + 1):
+        assumed_px = design.specification.noise_px
+        found = measure_noise(specification, design.candidates[0], room, f"round {done}")
+        if found.noise_source != "measured":
+            return solve(found, cameras, preference)
+        agreed = abs(found.noise_px / assumed_px - 1) <= AGREES
+        if agreed:
+            found = replace(found, noise_px=max(assumed_px, found.noise_px))
+        design = solve(found, cameras, preference)
+        if agreed:
+            break
+    return design
+
+
+def measure_noise(specification: Specification, candidate: Candidate, room: Room, when: str) -> Specification:
+    """The specification with the noise that `candidate` shows in `room`, rounded up to two digits.
+
+    Where too little was matched it keeps its noise, as one assumed; `when` ends the words about it.
+    """
+    trial, matches = room.trial(candidate), room.trial(candidate).matches
+    depths_m = [asked.depth_m for asked in specification.requirements if asked.kind == "depth_error"]
+    range_m = (specification.near_m, specification.far_m)
+    noise_px = math.nan if matches is None else measured_noise_px(matches, range_m, depths_m)
+    if matches is None or not noise_px > 0:
+        why = trial.why or f"{trial.fitting.label} finds fewer than {FEWEST_MATCHES} matches in the range"
+        return replace(specification, noise_source="assumed", noise_says=f"assumed, as {why}")
+    return replace(
+        specification,
+        noise_px=words.rounded(noise_px, up=True, digits=2),
+        noise_source="measured",
+        noise_says=f"measured in `{room.plan.scene}` (sensor: {trial.fitting.label}) on "
+        f"{int((~matches.outlier).sum())} {matches.method}, {when}",
+    )
+
+
+def _start(specification: Specification, cameras: Sequence[Camera], preference: str) -> Design:
+    """A first design, by the largest guess of the noise that leaves any rig at all."""
+    for guess_px in _STARTS_PX[:-1]:
+        try:
+            return solve(replace(specification, noise_px=guess_px), cameras, preference)
+        except InvalidRig:
+            continue
+    return solve(replace(specification, noise_px=_STARTS_PX[-1]), cameras, preference)

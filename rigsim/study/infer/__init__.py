@@ -1,0 +1,1 @@
+"""From depth errors back to disparity noise."""

@@ -1,0 +1,36 @@
+"""What an inference says, in a sentence."""
+
+from __future__ import annotations
+
+from rigsim.study.infer.run import Inference
+
+
+def sentence(inference: Inference) -> str:
+    """What follows from the fit, in words."""
+    fit = inference.fit
+    if fit is None:
+        return (
+            "The law is untested: it takes three different distances to tell stereo noise from anything else."
+        )
+    grows = (
+        f"the error grows as distance to the power {fit.exponent:.2f}"
+        f" ({fit.exponent_low:.2f} to {fit.exponent_high:.2f})"
+    )
+    if fit.verdict == "consistent":
+        if fit.best == "quadratic":
+            return f"Stereo noise can explain it: {grows}, and 2 is in that range."
+        return (
+            f"Stereo noise may explain it: {grows}. A {fit.best} law fits a little better, but no more than"
+            " chance would."
+        )
+    if fit.best == "quadratic":
+        return f"Not stereo noise alone: {grows}, and 2 is not in that range."
+    return (
+        f"This cannot be stereo noise: a {fit.best} law fits better"
+        f" ({_percent(fit.misfit[fit.best])} misfit against {_percent(fit.misfit['quadratic'])});"
+        f" {grows}. The disparity noise below is an average, not a law."
+    )
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.2g} %" if share >= 1e-4 else "no"

@@ -1,0 +1,176 @@
+"""A data set: one rig in one scene, looked at from many places, one frame in memory at a time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from rigsim.errors import InvalidRange, NothingSeen
+from rigsim.rig import extent
+from rigsim.rig.arrays import AnyImage, Array, Image, Mask
+from rigsim.rig.pose import Pose
+from rigsim.rig.sensor import Sensor
+from rigsim.rig.stereo import StereoRig
+from rigsim.sim.simulator import SUPERSAMPLE, Simulator
+from rigsim.study.scene.pictures import Pictures, expose_pair
+
+MOVE_SHARE = 0.05
+"""How far a frame is moved along each axis unless it is said, share of the first frame's median depth."""
+TURN_DEG = 3.0
+"""How far a frame is turned about each axis unless it is said, deg."""
+
+_TRIES = 50
+_PROBES = 512
+_LEAST_SHARE = 0.5  # of what the first frame sees, and of how near it is to the nearest thing
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DatasetFrame:
+    """One stereo pair with its truth."""
+
+    index: int
+    """Number of the frame, from 0."""
+    rig: StereoRig
+    """The calibration that the pictures are handed on with."""
+    pictures: Pictures
+    """Grey levels of both pictures, (H, W), uint8, or uint16 whose upper bits are the sensor's."""
+    depth_left: Array
+    """Depth at the left pixels' centres, (H, W), m; NaN for nothing."""
+    depth_right: Array
+    """Depth at the right pixels' centres, (H, W), m; NaN for nothing."""
+    seen_by_both: Mask
+    """Left pixels whose point the right camera sees too, (H, W)."""
+    left_from_world: Pose
+    """Where the left camera was; the world is the scene's, its z up."""
+
+    def disparity(self, side: int) -> Array:
+        """``u_left - u_right`` of each left (0) or right (1) pixel's point, seen by the other camera or not.
+
+        (H, W), px; NaN for nothing. Only a rectified rig has it.
+        """
+        depth = (self.depth_left, self.depth_right)[side]
+        return self.rig.left.fx * self.rig.baseline_m / depth - self.rig.doffs_px
+
+    def cloud(self, at_most: int) -> tuple[Array, Image]:
+        """Points (N, 3), m, in the left camera's frame, of every so many left pixels; their grey (N, 3)."""
+        step = max(1, math.ceil(math.sqrt(self.depth_left.size / at_most)))
+        depth = self.depth_left[::step, ::step]
+        v, u = np.nonzero(np.isfinite(depth))
+        uv = step * np.column_stack([u, v]).astype(np.float64)
+        rays = np.column_stack([self.rig.left.normalize(uv), np.ones(len(uv))])
+        image = self.pictures.left[::step, ::step][v, u]
+        grey = image if image.dtype == np.uint8 else image >> 8
+        return rays * depth[v, u][:, None], np.repeat(grey.astype(np.uint8)[:, None], 3, axis=1)
+
+
+def render_frames(
+    simulator: Simulator,
+    rig: StereoRig,
+    count: int,
+    *,
+    sensor: Sensor,
+    seed: int,
+    move_m: float | None = None,
+    turn_deg: float = TURN_DEG,
+    nearest_m: float = 0.0,
+) -> Iterator[DatasetFrame]:
+    """Frames of `rig` in the simulator's scene: the first one on the mount, the others moved and turned.
+
+    Every frame has random numbers of its own, found from the seed and its number.
+
+    Args:
+        simulator: the scene and what draws it.
+        rig: the rig.
+        count: how many frames.
+        sensor: takes the pictures; with 8 to 16 bits.
+        seed: of viewpoints and noise.
+        move_m: farthest move along each axis; by default `MOVE_SHARE` of the first frame's median depth.
+        turn_deg: farthest turn about each axis.
+        nearest_m: views of something nearer are drawn again, but for the first frame's.
+
+    Raises:
+        InvalidRange: a number out of bounds.
+        NothingSeen: the rig sees nothing, or no view within reach sees as much.
+    """
+    extent.FRAMES.check(count)
+    if seed < 0:
+        raise InvalidRange(f"seed {seed}: must be >= 0")
+    if not sensor.bits:
+        raise InvalidRange("sensor bits 0: a data set's pictures are whole numbers; give it 8, 10, 12 or 16")
+    if not 0 <= turn_deg <= 90:
+        raise InvalidRange(f"turn {turn_deg:g} deg: must be >= 0 and <= 90")
+    simulator.place(rig)
+    share, nearest, median = _view(simulator, rig)
+    if share == 0:
+        raise NothingSeen(
+            f"scene {simulator.scene.name}: the left camera at {simulator.scene.mount} sees nothing; "
+            f"the scene has {', '.join(simulator.scene.mounts)} for --mount"
+        )
+    reach = MOVE_SHARE * median if move_m is None else move_m
+    if not (math.isfinite(reach) and reach >= 0):
+        raise InvalidRange(f"move {reach:g} m: must be >= 0")
+    for index in range(count):
+        rng = np.random.default_rng((seed, index))
+        for _ in range(_TRIES):
+            shift = rng.uniform(-1, 1, 6) * (0.0 if index == 0 else 1.0)
+            simulator.place(rig, Pose.from_rotvec(np.radians(turn_deg) * shift[:3], reach * shift[3:]))
+            seen, near, _ = _view(simulator, rig)
+            if index and not (
+                seen >= _LEAST_SHARE * share and near >= max(nearest_m, _LEAST_SHARE * nearest)
+            ):
+                continue
+            try:
+                frame = _frame(simulator, rig, index, sensor, rng)
+            except NothingSeen:
+                if index == 0:
+                    raise
+                continue  # a camera went into a surface
+            if index == 0 or not (frame.depth_left < nearest_m).any():
+                break
+        else:
+            raise NothingSeen(
+                f"scene {simulator.scene.name}: of {_TRIES} views within {reach * 1e3:.3g} mm and"
+                f" {turn_deg:g} deg none will do: half of what the mount's sees, and nothing nearer than"
+                f" {max(nearest_m, _LEAST_SHARE * nearest):.3g} m; give a smaller --move or --turn"
+            )
+        yield frame
+
+
+def _frame(
+    simulator: Simulator, rig: StereoRig, index: int, sensor: Sensor, rng: np.random.Generator
+) -> DatasetFrame:
+    exposure = expose_pair(simulator, rig, sensor, SUPERSAMPLE)
+    taken = exposure.pictures(sensor, rng)
+    return DatasetFrame(
+        index=index,
+        rig=rig,
+        pictures=Pictures(_levels(taken.left, sensor), _levels(taken.right, sensor)),
+        depth_left=exposure.frame.left.depth,
+        depth_right=exposure.frame.right.depth,
+        seen_by_both=np.isfinite(simulator.true_disparity(exposure.frame)),
+        left_from_world=simulator.left_from_world,
+    )
+
+
+def _levels(image: AnyImage, sensor: Sensor) -> AnyImage:
+    """Whole grey levels that fill their type, so that readers of 8 bits see 10 and 12 as well."""
+    levels = np.clip(np.rint(image), 0, sensor.full_scale)
+    if sensor.bits == 8:
+        return levels.astype(np.uint8)
+    return levels.astype(np.uint16) << np.uint16(16 - sensor.bits)
+
+
+def _view(simulator: Simulator, rig: StereoRig) -> tuple[float, float, float]:
+    """The share of the left image that shows something, its nearest and its median depth, m."""
+    side = math.isqrt(_PROBES)
+    u = np.linspace(0, rig.left.width - 1, side)
+    v = np.linspace(0, rig.left.height - 1, side)
+    uv = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
+    depth = simulator.points_at(uv)[0][:, 2]
+    depth = depth[np.isfinite(depth)]
+    if not len(depth):
+        return 0.0, math.inf, math.inf
+    return len(depth) / len(uv), float(depth.min()), float(np.median(depth))

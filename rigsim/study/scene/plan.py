@@ -1,0 +1,287 @@
+"""Which configurations a sweep runs, and the random stream of each."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TypeAlias
+
+import numpy as np
+
+from rigsim.errors import InvalidRange, InvalidRig
+from rigsim.rig import extent, given
+from rigsim.rig.arrays import Array
+from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.noise import PixelNoise, as_noise
+from rigsim.rig.perturbation import Perturbation
+from rigsim.rig.pose import Pose
+from rigsim.rig.sensor import Sensor
+from rigsim.rig.stereo import StereoRig
+from rigsim.sim.simulator import SUPERSAMPLE
+
+Triangulator: TypeAlias = str | Callable[[StereoRig, Array, Array], Array]
+
+MEASURES = ("auto", "none", "corners", "patches", "dense")
+"""What may be measured in the pictures."""
+
+SUPERSAMPLES = (1, 2, 4)
+"""Samples along each side of a pixel that may be asked for."""
+
+
+@dataclass(frozen=True, slots=True)
+class RigGrid:
+    """A rig and the values its parameters take; the axes multiply. An empty axis leaves the rig's own value.
+
+    With `focals_px` the field of view changes with the resolution; otherwise the lens stays, and
+    more pixels mean a longer focal length in px.
+    """
+
+    base: StereoRig
+    """The rig that is varied."""
+    baselines_m: Sequence[float] = ()
+    """Distances between the cameras, m."""
+    focals_px: Sequence[float] = ()
+    """Focal lengths, px; excludes `hfovs_deg`."""
+    hfovs_deg: Sequence[float] = ()
+    """Horizontal fields of view, deg; excludes `focals_px`."""
+    resolutions_px: Sequence[tuple[int, int]] = ()
+    """(width, height), px."""
+    vergences_deg: Sequence[float] = ()
+    """Toe-in angles, deg."""
+
+    def __post_init__(self) -> None:
+        given.a(StereoRig, self.base, "a StereoRig: the rig that is varied")
+        for axis in ("baselines_m", "focals_px", "hfovs_deg", "vergences_deg"):
+            object.__setattr__(self, axis, given.reals(getattr(self, axis), axis))
+        object.__setattr__(self, "resolutions_px", _sizes(self.resolutions_px))
+        if self.focals_px and self.hfovs_deg:
+            raise InvalidRange("--focal and --hfov both given: they say the same thing, give one")
+
+    def __len__(self) -> int:
+        return math.prod(
+            max(len(axis), 1)
+            for axis in (
+                self.baselines_m,
+                self.focals_px,
+                self.hfovs_deg,
+                self.resolutions_px,
+                self.vergences_deg,
+            )
+        )
+
+    def __iter__(self) -> Iterator[StereoRig]:
+        for size, focal_px, hfov_deg, vergence_deg, baseline_m in itertools.product(
+            self.resolutions_px or (None,),
+            self.focals_px or (None,),
+            self.hfovs_deg or (None,),
+            self.vergences_deg or (None,),
+            self.baselines_m or (None,),
+        ):
+            yield self._rig(size, focal_px, hfov_deg, vergence_deg, baseline_m)
+
+    @property
+    def lens_note(self) -> str:
+        """What stays and what changes between resolutions."""
+        if len(self.resolutions_px) < 2:
+            return ""
+        if self.focals_px:
+            return (
+                "The focal length in pixels is fixed, so more pixels widen the field of view "
+                "(the same lens and pixel size on a larger sensor)."
+            )
+        return (
+            "The lens is fixed, so more pixels lengthen the focal length in pixels and narrow what one "
+            "pixel covers (smaller pixels on the same sensor)."
+        )
+
+    def _rig(
+        self,
+        size: tuple[int, int] | None,
+        focal_px: float | None,
+        hfov_deg: float | None,
+        vergence_deg: float | None,
+        baseline_m: float | None,
+    ) -> StereoRig:
+        left, right = (
+            _change_lens(lens, size, focal_px, hfov_deg) for lens in (self.base.left, self.base.right)
+        )
+        length = self.base.baseline_m if baseline_m is None else baseline_m
+        if vergence_deg is not None:
+            return StereoRig.verged(left, length, vergence_deg, right=right)
+        if baseline_m is None:
+            return StereoRig(left, right, self.base.right_from_left)
+        if self.base.is_rectified:
+            return StereoRig.rectified(left, length, right=right)
+        if not (math.isfinite(length) and length > 0):
+            StereoRig.rectified(left, length)  # raises with the usual words
+        pose = self.base.right_from_left
+        return StereoRig(left, right, Pose(pose.R, pose.t * (length / self.base.baseline_m)))
+
+
+def _sizes(given_sizes: object) -> tuple[tuple[int, int], ...]:
+    """Sizes (width, height) in px: one, or several."""
+    sizes = given.several(given_sizes)
+    if len(sizes) == 2 and not any(np.ndim(np.asarray(side, object)) for side in sizes):
+        sizes = (sizes,)
+    found = []
+    for size in sizes:
+        sides = given.reals(size, "resolution")
+        if len(sides) != 2 or not all(side.is_integer() for side in sides):
+            raise InvalidRange(f"resolution {given.shown(size)}: must be (width, height), whole px")
+        found.append((int(sides[0]), int(sides[1])))
+    return tuple(found)
+
+
+def _change_lens(
+    lens: Intrinsics, size: tuple[int, int] | None, focal_px: float | None, hfov_deg: float | None
+) -> Intrinsics:
+    """The lens behind another pixel grid, or another focal length; the principal point keeps its place."""
+    if size is not None:
+        width, height = size
+        if width < 1 or height < 1:
+            raise InvalidRange(f"resolution {width}x{height}: both sides must be >= 1 px")
+        # square growth: the width sets the scale, the height is cropped or extended evenly
+        scale = width / lens.width
+        lens = replace(
+            lens,
+            width=width,
+            height=height,
+            fx=lens.fx * scale,
+            fy=lens.fy * scale,
+            cx=(lens.cx - (lens.width - 1) / 2) * scale + (width - 1) / 2,
+            cy=(lens.cy - (lens.height - 1) / 2) * scale + (height - 1) / 2,
+        )
+    if hfov_deg is not None:
+        focal_px = Intrinsics.from_hfov(lens.width, lens.height, hfov_deg).fx
+    if focal_px is not None:
+        lens = replace(lens, fx=focal_px, fy=focal_px * lens.fy / lens.fx)
+    return lens
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """All that decides the numbers of a sweep."""
+
+    scene: str = "boards"
+    """Bundled scene's name or path of an MJCF file."""
+    mount: str | None = None
+    """Where the rig sits; None for the scene's own."""
+    noises: tuple[PixelNoise, ...] = (PixelNoise(0.25),)
+    """Noise of the simulated pixel positions."""
+    triangulators: tuple[Triangulator, ...] = ("optimal",)
+    """Methods under test."""
+    range_m: tuple[float, float] | None = None
+    """Nearest and farthest depth of the truth points, m; None for all that is seen, up to `far_limit_m`."""
+    n_points: int = 2000
+    """Truth points of one rig."""
+    n_trials: int = 100
+    """Noisy repetitions for each point."""
+    seed: int = 0
+    """Seed of every random stream."""
+    renderer: str = "auto"
+    """auto, egl, osmesa or rays."""
+    measure: str = "auto"
+    """What is measured in the pictures: none, corners, patches or dense; "auto" takes corners where the
+    scene has boards, else patches; and nothing from the plain pictures of rays."""
+    sensors: Mapping[str, Sensor] = field(default_factory=lambda: {"ideal": Sensor()})
+    """Lens and sensor that the pictures are taken with, by the name they have in tables."""
+    supersample: int = SUPERSAMPLE
+    """Samples along each side of a drawn pixel: 1, 2 or 4."""
+    far_limit_m: float = math.inf
+    """Farthest depth of the truth points without a `range_m`, m; `sweep` finds it."""
+    assumed: StereoRig | None = None
+    """The rig that triangulates, where it is another than the one that is swept, which projects; None for
+    the same."""
+    perturbation: Perturbation | None = None
+    """How each built rig, which projects, differs from the one that is swept, which is assumed and
+    triangulates; excludes `assumed`."""
+    extra: dict[str, object] = field(default_factory=dict, compare=False)
+    """What the caller wants written into the provenance."""
+
+    def __post_init__(self) -> None:
+        self._take()
+        extent.SWEEP_POINTS.check(self.n_points)
+        extent.TRIALS.check(self.n_trials)
+        extent.TRIANGULATIONS.check(self.n_points * self.n_trials)
+        if self.seed < 0:
+            raise InvalidRange(f"seed {self.seed}: must be >= 0")
+        if not self.noises or not self.triangulators or not self.sensors:
+            raise InvalidRange("a sweep needs at least one noise level, one triangulator and one sensor")
+        extent.NOISES.check(len(self.noises))
+        if self.measure not in MEASURES:
+            raise InvalidRange(f"measure {self.measure!r}: choose one of {', '.join(MEASURES)}")
+        if self.assumed is not None and self.perturbation is not None:
+            raise InvalidRange(
+                "an assumed rig and a perturbation both given: they say the same thing, give one"
+            )
+        if self.supersample not in SUPERSAMPLES:
+            raise InvalidRange(f"supersample {self.supersample}: must be 1, 2 or 4")
+        if self.range_m is not None:
+            near, far = self.range_m
+            if not (math.isfinite(far) and 0 < near < far):
+                raise InvalidRange(f"range {near:g}:{far:g} m: must be 0 < near < far")
+
+    def _take(self) -> None:
+        """One noise or triangulator for several, a path for a scene, whole numbers of any kind."""
+        object.__setattr__(self, "scene", str(given.path(self.scene, "scene")))
+        object.__setattr__(self, "noises", tuple(as_noise(noise) for noise in given.several(self.noises)))
+        object.__setattr__(self, "triangulators", given.several(self.triangulators))
+        for name in ("n_points", "n_trials", "seed", "supersample"):
+            value = given.real(getattr(self, name), name.removeprefix("n_"))
+            if not value.is_integer():
+                raise InvalidRange(f"{name.removeprefix('n_')} {value:g}: must be a whole number")
+            object.__setattr__(self, name, int(value))
+        if not isinstance(self.sensors, Mapping):
+            raise InvalidRange(
+                f"sensors {given.shown(self.sensors)}: must be by name, as in {{'ideal': Sensor()}}"
+            )
+        if self.range_m is not None:
+            ends = given.reals(self.range_m, "range")
+            if len(ends) != 2:
+                raise InvalidRange(f"range {given.shown(self.range_m)}: must be (near, far), m")
+            object.__setattr__(self, "range_m", ends)
+
+    def true_and_assumed(self, rig: StereoRig) -> tuple[StereoRig, StereoRig]:
+        """For a rig that is swept, the one that projects and the one that triangulates.
+
+        Raises:
+            InvalidRig: their pictures have other sizes.
+        """
+        if self.perturbation is not None:
+            return self.perturbation.apply(rig), rig
+        if self.assumed is None:
+            return rig, rig
+        for side, true, assumed in (
+            ("left", rig.left, self.assumed.left),
+            ("right", rig.right, self.assumed.right),
+        ):
+            if (true.width, true.height) != (assumed.width, assumed.height):
+                raise InvalidRig(
+                    f"assumed rig: its {side} picture of {assumed.width}x{assumed.height} px must be as "
+                    f"large as the true rig's, {true.width}x{true.height} px: calibrate these pictures"
+                )
+        return rig, self.assumed
+
+    def stream(self, purpose: str, scene: str, rig: StereoRig, *more: object) -> np.random.Generator:
+        """The random stream of one configuration: it depends on nothing else that is swept."""
+        description = (purpose, scene, *_numbers(rig), self.range_m, self.n_points, *more)
+        digest = hashlib.sha256(repr(description).encode()).digest()
+        key = tuple(int.from_bytes(digest[i : i + 4], "little") for i in range(0, 16, 4))
+        return np.random.Generator(np.random.SFC64(np.random.SeedSequence(self.seed, spawn_key=key)))
+
+
+def triangulator_label(method: Triangulator) -> str:
+    """What a triangulator is called in tables."""
+    if isinstance(method, str):
+        return method
+    return f"{getattr(method, '__module__', '?')}:{getattr(method, '__qualname__', repr(method))}"
+
+
+def _numbers(rig: StereoRig) -> Iterable[object]:
+    for lens in (rig.left, rig.right):
+        yield (lens.width, lens.height, lens.fx, lens.fy, lens.cx, lens.cy, repr(lens.distortion))
+    yield rig.right_from_left.R.ravel().tolist()
+    yield rig.right_from_left.t.tolist()

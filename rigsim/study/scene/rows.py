@@ -1,0 +1,256 @@
+"""From error statistics to one row of a table, with prediction and simulation compared."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.special import ndtr
+
+from rigsim.rig.arrays import Array, Ids, Mask
+from rigsim.rig.noise import PixelNoise
+from rigsim.rig.stereo import StereoRig
+from rigsim.sim.truth.points import Coverage
+from rigsim.study.agreement.agreement import Agreement, worst
+from rigsim.study.agreement.claims import measured_agreement
+from rigsim.study.agreement.simulated import Part, compare, image_parts
+from rigsim.study.scene.columns import DEPTH_COLUMNS, ROW_COLUMNS, Row
+from rigsim.study.scene.plan import Triangulator
+from rigsim.study.scene.statistics import ErrorStatistics, summarize
+from rigsim.study.scene.third_witness import Measured, bins_of, measured_row, nothing_measured
+from rigsim.study.scene.trials import Prediction
+from rigsim.study.sweep.diagnosis import UNKNOWN
+from rigsim.study.sweep.symptoms import Fault
+
+_DIGITS = 12
+_FAR = ("far_inverse_depth_rmse_per_m", "predicted_far_inverse_depth_rmse_per_m")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Evidence:
+    """All that one row is made of; (N,) over the truth points of the rig."""
+
+    rig: StereoRig
+    """The rig that is assumed."""
+    points_left: Array
+    """True points, (N, 3), m."""
+    uv_left: Array
+    """Where the left image has them, (N, 2), px."""
+    visible: Mask
+    """Seen by both cameras."""
+    in_right_image: Mask
+    """Within the right camera's field of view, hidden or not."""
+    coverage: Coverage
+    """What rays spread evenly over the left image meet."""
+    coverage_bins: Ids
+    """Depth bin of each of those rays that meets something."""
+    image_weight: Array
+    """Weights of the points that make an average one over the pixels of the left image."""
+    bins: Ids
+    """Depth bin of each point."""
+    edges_m: Array
+    """Edges of the bins, (n_bins + 1,), m."""
+    prediction: Prediction
+    """Prediction for the visible points, in their order."""
+    stats: ErrorStatistics
+    """Simulated errors of the visible points, in their order."""
+    measured: Measured | None
+    """What the pictures say; None when nothing was to be measured."""
+    triangulator: Triangulator
+    """The method under test."""
+    diagnose: Callable[[], Fault | None]
+    """What is off; asked where the row is flagged."""
+
+    @property
+    def depth_m(self) -> Array:
+        """True depth, (N,), m."""
+        return np.asarray(self.points_left[:, 2])
+
+
+def configuration(scene: str, rig: StereoRig, noise: PixelNoise, triangulator: str, sensor: str) -> Row:
+    """The columns that say what a row is about."""
+    return {
+        "scene": scene,
+        "baseline_mm": _clean(rig.baseline_m * 1e3),
+        "focal_px": _clean(rig.left.fx),
+        "hfov_deg": _clean(rig.left.hfov_deg),
+        "width_px": rig.left.width,
+        "height_px": rig.left.height,
+        "vergence_deg": _clean(rig.vergence_deg) + 0.0,
+        "noise_px": noise.std_px,
+        "triangulator": triangulator,
+        "sensor": sensor,
+    }
+
+
+def empty_row(head: Row, n_trials: int, why: str) -> Row:
+    """The row of sweep.csv for a rig that has no truth points."""
+    row: Row = dict.fromkeys(ROW_COLUMNS, math.nan)
+    row |= nothing_measured() | {
+        "n_points": 0,
+        "n_visible": 0,
+        "n_trials": n_trials,
+        "scene_fraction": 0.0,
+        "visible_fraction": 0.0,
+        "overlap_fraction": 0.0,
+    }
+    return row | _written(Agreement("untold", why=why)) | head
+
+
+def rows_of(head: Row, evidence: Evidence) -> tuple[Row, list[Row], Fault | None]:
+    """The row of sweep.csv; those of sweep_by_depth.csv, one for each bin with points; and what is off."""
+    n_bins = len(evidence.edges_m) - 1
+    whole, parts = _agreements(evidence)
+    fault = evidence.diagnose() if whole.kind == "flagged" else None
+    if whole.kind == "flagged":
+        whole = replace(whole, named=fault.says if fault else UNKNOWN)
+    everything = np.ones(len(evidence.bins), dtype=bool)
+    body = _body(evidence, everything, slice(0, n_bins))
+    body |= _covered(evidence, everything, np.ones(len(evidence.coverage_bins), dtype=bool))
+    row = _joined(body, evidence, None, whole)
+    overall = {name: (head | row)[name] for name in ROW_COLUMNS}
+    by_depth = []
+    for i, (near, far) in enumerate(zip(evidence.edges_m[:-1], evidence.edges_m[1:], strict=True)):
+        inside = evidence.bins == i
+        if inside.any():
+            body = _body(evidence, inside, slice(i, i + 1))
+            body |= _covered(evidence, inside, evidence.coverage_bins == i)
+            row = _joined(body, evidence, i, parts[i])
+            row |= {"depth_near_mm": _clean(near * 1e3), "depth_far_mm": _clean(far * 1e3)}
+            by_depth.append({name: (head | row)[name] for name in DEPTH_COLUMNS})
+    return overall, by_depth, fault
+
+
+def _agreements(evidence: Evidence) -> tuple[Agreement, list[Agreement]]:
+    """Whether the simulation agrees with the prediction: over all, and in each depth bin."""
+    visible, edges_m = evidence.visible, evidence.edges_m
+    bins = [
+        Part(f"at {near:.3g} to {far:.3g} m", evidence.bins[visible] == i)
+        for i, (near, far) in enumerate(itertools.pairwise(edges_m))
+    ]
+    left = evidence.rig.left
+    regions = image_parts(evidence.uv_left[visible], left.width, left.height)
+    return compare(evidence.prediction, evidence.stats, bins, regions)
+
+
+def _body(evidence: Evidence, inside: Mask, groups: slice) -> Row:
+    visible_inside = inside[evidence.visible]  # among the visible points
+    low = evidence.prediction.low_disparity
+    weight = evidence.image_weight[evidence.visible]
+    kept = visible_inside & ~low
+    tried = int(visible_inside.sum()) * evidence.stats.n_trials
+    row: Row = {
+        "n_points": int(inside.sum()),
+        "n_visible": int(visible_inside.sum()),
+        "n_trials": evidence.stats.n_trials,
+        "failed_fraction": 1 - float(evidence.stats.count[visible_inside].sum()) / tried
+        if tried
+        else math.nan,
+        "low_disparity_fraction": float(np.average(low[visible_inside], weights=weight[visible_inside]))
+        if tried
+        else math.nan,
+    }
+    depth_m = evidence.depth_m[evidence.visible]
+    summary = summarize(evidence.stats, depth_m, kept, groups) if kept.any() else None
+    if summary is None:
+        nothing = dict.fromkeys(ROW_COLUMNS[ROW_COLUMNS.index("depth_median_mm") :], math.nan)
+        return row | nothing | _far(evidence, visible_inside & low)
+    predicted_m = _rms(evidence.prediction.depth_rmse_m[kept])
+    image_m, predicted_image_m = (
+        _weighted_rms(each[kept], weight[kept])
+        for each in (evidence.stats.depth_rmse_m, evidence.prediction.depth_rmse_m)
+    )
+    median_m = float(np.median(depth_m[kept]))
+    return {
+        **row,
+        **_far(evidence, visible_inside & low),
+        "depth_median_mm": median_m * 1e3,
+        "depth_bias_mm": summary.bias_m * 1e3,
+        "depth_rmse_mm": summary.rmse_m * 1e3,
+        "depth_rmse_ci_low_mm": summary.ci_low_m * 1e3,
+        "depth_rmse_ci_high_mm": summary.ci_high_m * 1e3,
+        "depth_abs_p50_mm": summary.abs_p50_m * 1e3,
+        "depth_abs_p95_mm": summary.abs_p95_m * 1e3,
+        "depth_rmse_pct": summary.relative_rmse * 100,
+        "point_rmse_mm": summary.point_rmse_m * 1e3,
+        "predicted_depth_rmse_mm": predicted_m * 1e3,
+        "predicted_over_simulated": predicted_m / summary.rmse_m if predicted_m > 0 else math.nan,
+        "nees": summary.nees if predicted_m > 0 else math.nan,
+        "depth_rmse_image_mm": image_m * 1e3,
+        "predicted_depth_rmse_image_mm": predicted_image_m * 1e3,
+    }
+
+
+def _covered(evidence: Evidence, points: Mask, rays: Mask) -> Row:
+    """Shares of the left image's pixels; of the points in a bin so small that no ray meets it."""
+    coverage = evidence.coverage
+    if not rays.any():
+        return {
+            "scene_fraction": 0.0,
+            "visible_fraction": float(evidence.visible[points].mean()),
+            "overlap_fraction": float(evidence.in_right_image[points].mean()),
+        }
+    return {
+        "scene_fraction": float(rays.sum()) / coverage.n_rays,
+        "visible_fraction": float(coverage.visible_right[rays].mean()),
+        "overlap_fraction": float(coverage.in_right_image[rays].mean()),
+    }
+
+
+def _far(evidence: Evidence, far: Mask) -> Row:
+    """The error of 1/Z of the points that are too far for an RMS of depth; nothing where there are none.
+
+    Trials beyond infinity fail. What is left of a Gaussian cut off at -s standard deviations has a mean
+    square of ``1 - s phi(s) / Phi(s)``.
+    """
+    count = evidence.stats.count[far]
+    n = float(count.sum())
+    if n == 0:
+        return dict.fromkeys(_FAR, math.nan)
+    std_per_m = np.sqrt(evidence.prediction.view_covariance[far, 0, 0])
+    s = evidence.prediction.depth_sigmas[far]
+    kept = ndtr(s)
+    square = std_per_m**2 * (1 - s * np.exp(-(s**2) / 2) / math.sqrt(2 * math.pi) / kept)
+    found = evidence.stats.sum_depth_w2[far] * std_per_m**2
+    expected = float((square * kept).sum() / kept.sum())
+    return dict(zip(_FAR, (math.sqrt(float(found.sum()) / n), math.sqrt(expected)), strict=True))
+
+
+def _joined(body: Row, evidence: Evidence, depth_bin: int | None, simulated: Agreement) -> Row:
+    """The row with what the pictures say of one depth bin, or of all, and the agreement of all witnesses."""
+    measured = evidence.measured
+    if measured is None:
+        return body | nothing_measured() | _written(simulated)
+    bins = bins_of(measured, evidence.edges_m)
+    # a match of nothing has no depth: it counts as an outlier of the whole
+    inside = bins == depth_bin if depth_bin is not None else (bins >= 0) | measured.outlier
+    row = measured_row(measured, evidence.rig, evidence.triangulator, inside)
+    found = [simulated]
+    if depth_bin is None or row["measured_n"]:
+        found.append(measured_agreement(row, int(inside.sum()), measured.why))
+    return body | row | _written(worst(found))
+
+
+def _written(agreement: Agreement) -> Row:
+    witness = "" if agreement.kind == "agrees" else agreement.witness
+    return {"agreement": agreement.text, "agreement_witness": witness}
+
+
+def _rms(values: Array) -> float:
+    return math.sqrt(float(np.mean(values**2)))
+
+
+def _weighted_rms(values: Array, weight: Array) -> float:
+    """Root of the weighted mean square; what failed in every trial counts in none."""
+    good = np.isfinite(values)
+    if not good.any():
+        return math.nan
+    return math.sqrt(float(np.average(values[good] ** 2, weights=weight[good])))
+
+
+def _clean(value: float) -> float:
+    """The value without the last digits' rounding noise: 150, not 149.99999999999997."""
+    return float(f"{value:.{_DIGITS}g}")

@@ -1,0 +1,1 @@
+"""Many rigs in one scene."""

@@ -1,0 +1,249 @@
+"""Single mistakes that have an amount: what a sweep names when it flags.
+
+A mistake is a parameter of the true rig that the triangulation takes for another value, or something done
+to its answers. The amount is the truth minus what the triangulation takes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+import numpy as np
+
+from rigsim.rig.arrays import Array
+from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.lens.distortion import BrownConrady
+from rigsim.rig.perturbation import Perturbation
+from rigsim.rig.pose import Pose
+from rigsim.rig.stereo import StereoRig
+from rigsim.theory.triangulation import triangulate
+
+Answers: TypeAlias = Callable[[float], Array]
+"""Points (N, 3) m that a triangulation answers when the mistake has this amount."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Model:
+    """One mistake that has an amount."""
+
+    name: str
+    """Stable short name, as ``yaw``."""
+    says: str
+    """What it is, with ``{}`` for the amount and ``{more}`` for its direction."""
+    ways: tuple[str, str]
+    """The direction of a positive and of a negative amount."""
+    unit: str
+    """Unit of the amount as it is said."""
+    scale: float
+    """Said amount for an amount of 1."""
+    step: float
+    """Amount small enough for a derivative."""
+    answers: Answers
+    """What it leads to."""
+    of_answers: bool = False
+    """Whether it is something done to the pixels or the answers, not a parameter of the rig."""
+
+
+def models(rig: StereoRig, points_left: Array) -> Iterator[Model]:
+    """Every mistake with an amount, the likelier first, for points (N, 3) m and the rig that is assumed."""
+    yield from _of_answers(rig, points_left)
+    for name, says, ways, unit, scale, step, change in (*_BOTH, *_RIGHT, *_LEFT, *_pose(rig)):
+        yield Model(name, says, ways, unit, scale, step, _rig_answers(rig, points_left, change))
+
+
+_Change: TypeAlias = Callable[[StereoRig, float], StereoRig]
+_Entry: TypeAlias = tuple[str, str, tuple[str, str], str, float, float, _Change]
+
+
+def _rig_answers(rig: StereoRig, points_left: Array, change: _Change) -> Answers:
+    def answers(amount: float) -> Array:
+        return triangulate(rig, *change(rig, amount).project(points_left), "optimal")
+
+    return answers
+
+
+def _of_answers(rig: StereoRig, points_left: Array) -> Iterator[Model]:
+    uv_left, uv_right = rig.project(points_left)
+    size = ("too large", "too small")
+
+    def scaled(*axes: float) -> Answers:
+        return lambda amount: points_left * (1 + amount * np.array(axes))
+
+    yield Model(
+        "disparity-offset",
+        "a constant disparity offset: disparities are taken {} {more}",
+        size,
+        "px",
+        1.0,
+        1e-3,
+        lambda amount: triangulate(rig, uv_left, uv_right - (amount, 0.0), "optimal"),
+        of_answers=True,
+    )
+    for name, what, axes in (
+        ("scale", "scale: all coordinates come back {} {more}", (1.0, 1.0, 1.0)),
+        ("depth-scale", "scale of depth: Z comes back {} {more}, X and Y are right", (0.0, 0.0, 1.0)),
+        ("lateral-scale", "scale: X and Y come back {} {more}, Z is right", (1.0, 1.0, 0.0)),
+    ):
+        yield Model(name, what, size, "%", 100.0, 1e-5, scaled(*axes), of_answers=True)
+
+
+def _lens(side: str, change: Callable[[Intrinsics, float], Intrinsics]) -> _Change:
+    def changed(rig: StereoRig, amount: float) -> StereoRig:
+        left = rig.left if side == "right" else change(rig.left, amount)
+        right = rig.right if side == "left" else change(rig.right, amount)
+        return replace(rig, left=left, right=right)
+
+    return changed
+
+
+def _k1(lens: Intrinsics, amount: float) -> Intrinsics:
+    distortion = lens.distortion or BrownConrady()
+    return replace(lens, distortion=replace(distortion, k1=distortion.k1 + amount))
+
+
+_OFFSET = "a constant disparity offset, by the "
+_LONGER = ("longer", "shorter")
+_TAKES = "than the triangulation takes it to be"
+_CHANGES: tuple[
+    tuple[str, str, tuple[str, str], str, float, float, Callable[[Intrinsics, float], Intrinsics]], ...
+] = (
+    (
+        "focal",
+        f"focal length of {{side}}: it is {{}} {{more}} {_TAKES}",
+        _LONGER,
+        "%",
+        100.0,
+        1e-6,
+        lambda lens, a: replace(lens, fx=lens.fx * (1 + a), fy=lens.fy * (1 + a)),
+    ),
+    (
+        "cx",
+        f"principal point of {{side}}: it lies {{}} further {{more}} {_TAKES}",
+        ("right", "left"),
+        "px",
+        1.0,
+        1e-3,
+        lambda lens, a: replace(lens, cx=lens.cx + a),
+    ),
+    (
+        "cy",
+        f"principal point of {{side}}: it lies {{}} further {{more}} {_TAKES}",
+        ("down", "up"),
+        "px",
+        1.0,
+        1e-3,
+        lambda lens, a: replace(lens, cy=lens.cy + a),
+    ),
+    (
+        "k1",
+        f"lens distortion k1 of {{side}}: it is {{}} {{more}} {_TAKES}",
+        ("greater", "less"),
+        "",
+        1.0,
+        1e-6,
+        _k1,
+    ),
+    (
+        "fx",
+        f"a stretch of the image: fx of {{side}} is {{}} {{more}} {_TAKES}, fy is right",
+        _LONGER,
+        "%",
+        100.0,
+        1e-6,
+        lambda lens, a: replace(lens, fx=lens.fx * (1 + a)),
+    ),
+    (
+        "fy",
+        f"a stretch of the image: fy of {{side}} is {{}} {{more}} {_TAKES}, fx is right",
+        _LONGER,
+        "%",
+        100.0,
+        1e-6,
+        lambda lens, a: replace(lens, fy=lens.fy * (1 + a)),
+    ),
+)
+
+
+def _of(side: str, words: str) -> tuple[_Entry, ...]:
+    return tuple(
+        (
+            f"{side}-{name}",
+            _OFFSET * ((side, name) == ("left", "cx")) + says.replace("{side}", words),
+            ways,
+            unit,
+            scale,
+            step,
+            _lens(side, change),
+        )
+        for name, says, ways, unit, scale, step, change in _CHANGES
+    )
+
+
+_BOTH = _of("both", "both cameras")
+_RIGHT = _of("right", "the right camera")
+_LEFT = _of("left", "the left camera")
+
+
+def _perturbed(field: str) -> _Change:
+    return lambda rig, amount: Perturbation(**{field: amount}).apply(rig)
+
+
+def _longer(rig: StereoRig, amount: float) -> StereoRig:
+    pose = rig.right_from_left
+    return replace(rig, right_from_left=Pose(pose.R, pose.t * (1 + amount)))
+
+
+def _pose(rig: StereoRig) -> tuple[_Entry, ...]:
+    degrees, metre_step = math.degrees(1.0), 1e-5 * rig.baseline_m
+    to = "than the triangulation takes it to"
+    return (
+        ("baseline", f"baseline: it is {{}} {{more}} {_TAKES}", _LONGER, "%", 100.0, 1e-6, _longer),
+        (
+            "yaw",
+            f"yaw: the right camera looks {{}} further {{more}} {to}",
+            ("right", "left"),
+            "deg",
+            degrees,
+            1e-6,
+            _perturbed("yaw_rad"),
+        ),
+        (
+            "pitch",
+            f"pitch: the right camera looks {{}} further {{more}} {to}",
+            ("up", "down"),
+            "deg",
+            degrees,
+            1e-6,
+            _perturbed("pitch_rad"),
+        ),
+        (
+            "roll",
+            "roll: the right camera is turned {} {more} against what the triangulation takes",
+            ("clockwise", "anticlockwise"),
+            "deg",
+            degrees,
+            1e-6,
+            _perturbed("roll_rad"),
+        ),
+        (
+            "axial",
+            f"the right camera stands {{}} further {{more}} along the optical axis {to}",
+            ("forward", "back"),
+            "mm",
+            1e3,
+            metre_step,
+            _perturbed("axial_m"),
+        ),
+        (
+            "vertical",
+            f"the right camera stands {{}} further {{more}} {to}",
+            ("down", "up"),
+            "mm",
+            1e3,
+            metre_step,
+            _perturbed("vertical_m"),
+        ),
+    )

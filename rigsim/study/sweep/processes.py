@@ -1,0 +1,112 @@
+"""Rigs one after the other, or spread over processes; results come in the order of the rigs."""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Generator, Iterable, Iterator
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+
+from rigsim.errors import RigsimError
+from rigsim.rig.stereo import StereoRig
+from rigsim.sim.simulator import Simulator
+from rigsim.study.scene.look import Outcome, run_rig
+from rigsim.study.scene.plan import Plan
+
+_AHEAD = 4  # rigs queued for each process: enough to keep it busy, few enough to stop soon
+
+_THREADS = ("LP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
+
+_worker: tuple[Simulator, Plan] | None = None
+
+
+def run_all(rigs: Iterable[StereoRig], plan: Plan, jobs: int, simulator: Simulator) -> Generator[Outcome]:
+    """Yield the outcome of each rig, in order, whatever the number of processes."""
+    if jobs == 1:
+        for rig in rigs:
+            yield run_rig(simulator, rig, plan)
+        return
+    yield from _run_in_processes(rigs, plan, jobs, simulator.backend)
+
+
+def _run_in_processes(rigs: Iterable[StereoRig], plan: Plan, jobs: int, backend: str) -> Generator[Outcome]:
+    waiting: list[Future[Outcome]] = []
+    # forking after GL has started hangs the children
+    pool = ProcessPoolExecutor(
+        jobs, mp_context=multiprocessing.get_context("spawn"), initializer=_open, initargs=(plan, backend)
+    )
+    with _one_thread_each():
+        try:
+            for rig in rigs:
+                with _no_interrupts():  # a process that is still starting has no answer to Ctrl-C
+                    waiting.append(pool.submit(_run, rig))
+                if len(waiting) >= _AHEAD * jobs:
+                    yield waiting.pop(0).result()
+            while waiting:
+                yield waiting.pop(0).result()
+        except BrokenProcessPool:
+            raise RigsimError(
+                "a worker process died (out of memory, or the script lacks "
+                "`if __name__ == '__main__':`): use --jobs 1"
+            ) from None
+        except BaseException:
+            _end_workers()
+            raise
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _open(plan: Plan, backend: str) -> None:
+    """Set up one process; Ctrl-C is for the parent to handle."""
+    global _worker
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    _worker = (Simulator(plan.scene, plan.mount, backend), plan)
+
+
+def _run(rig: StereoRig) -> Outcome:
+    assert _worker is not None
+    simulator, plan = _worker
+    return run_rig(simulator, rig, plan)
+
+
+def _end_with_parent() -> None:
+    """A parent that was killed wants no answer any more."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    parent.join()
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def _end_workers() -> None:
+    """End all worker processes, whatever they are at."""
+    for child in multiprocessing.active_children():
+        child.kill()
+
+
+@contextlib.contextmanager
+def _no_interrupts() -> Iterator[None]:
+    """Hold Ctrl-C back; processes that are started meanwhile never see it."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextlib.contextmanager
+def _one_thread_each() -> Iterator[None]:
+    """Let each process rasterise and multiply with one thread: several processes share the cores better."""
+    before = {name: os.environ.get(name) for name in _THREADS}
+    for name in _THREADS:
+        os.environ.setdefault(name, "1")
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)

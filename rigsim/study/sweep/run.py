@@ -1,0 +1,188 @@
+"""The sweep: many rigs in one scene, predicted and simulated, in tables and words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from rigsim.errors import InvalidRange, InvalidScene
+from rigsim.rig import extent, given
+from rigsim.rig.remark import Remark
+from rigsim.rig.stereo import StereoRig
+from rigsim.sim.simulator import Simulator
+from rigsim.study.agreement.agreement import reason_of
+from rigsim.study.scene.columns import AXES, DEPTH_COLUMNS, ROW_COLUMNS, Row, Showcase
+from rigsim.study.scene.look import Look, far_limit_m, look, simulate
+from rigsim.study.scene.pictures import without_noise
+from rigsim.study.scene.plan import Plan, RigGrid, triangulator_label
+from rigsim.study.scene.provenance import simulator_provenance
+from rigsim.study.sweep import words as words
+from rigsim.study.sweep.advice import advise
+from rigsim.study.sweep.choice import rank
+from rigsim.study.sweep.processes import run_all
+from rigsim.study.sweep.result import SweepResult, Verdict
+from rigsim.study.sweep.symptoms import Fault
+from rigsim.theory.triangulation import resolve
+
+
+def sweep(
+    rigs: RigGrid | StereoRig | Iterable[StereoRig],
+    plan: Plan | None = None,
+    *,
+    jobs: int = 1,
+    progress: Callable[[int], None] | None = None,
+) -> SweepResult:
+    """Predict and simulate every rig in the scene, beside each other.
+
+    Args:
+        rigs: a `RigGrid`, or any rigs.
+        plan: scene, noise, triangulators, points, trials and seed.
+        jobs: processes; the numbers do not depend on it.
+        progress: called with the number of rigs done. When it or a worker is interrupted
+            (KeyboardInterrupt), the result holds what is done by then.
+
+    Raises:
+        InvalidScene: the scene cannot be used, or no rig sees anything with both cameras.
+        TriangulatorError: a triangulator is unknown, raises or returns the wrong thing.
+        RenderUnavailable: the renderer asked for does not work here.
+    """
+    plan = given.a(Plan, plan or Plan(), "a Plan: what is simulated")
+    jobs = int(given.real(jobs, "jobs"))
+    extent.JOBS.check(jobs)
+    for method in plan.triangulators:
+        resolve(method)  # fail before anything is drawn
+    todo = rigs if isinstance(rigs, RigGrid) else _rigs(rigs)
+    if len(todo) == 0:
+        raise InvalidRange("no rig to sweep: give at least one")
+    if plan.assumed is not None and len(todo) > 1:
+        raise InvalidRange(
+            f"{len(todo)} rigs and one that is assumed: it goes with one true rig; "
+            "a perturbation goes with every rig"
+        )
+    if len(todo) == 1:
+        plan.true_and_assumed(next(iter(todo)))  # fail before anything is drawn
+    if plan.range_m is None:
+        plan = replace(plan, far_limit_m=far_limit_m(todo, plan.noises))
+    beyond_fraction = 0.0
+    rows: list[Row] = []
+    by_depth: list[Row] = []
+    faults: list[Fault | None] = []
+    done: list[StereoRig] = []
+    remarks: dict[str, Remark] = {}
+    with Simulator(plan.scene, plan.mount, plan.renderer) as simulator:
+        complete = True
+        outcomes = run_all(todo, plan, min(jobs, len(todo)), simulator)
+        try:
+            for rig, outcome in zip(todo, outcomes, strict=True):
+                rows.extend(outcome.rows)
+                by_depth.extend(outcome.by_depth)
+                beyond_fraction = max(beyond_fraction, outcome.beyond_fraction)
+                remarks = {remark.code: remark for remark in outcome.remarks} | remarks
+                faults.extend(outcome.faults)
+                done.append(rig)
+                if progress:
+                    progress(len(done))
+        except KeyboardInterrupt:
+            outcomes.close()
+            if not done:
+                raise
+            complete = False
+        lens_note = rigs.lens_note if isinstance(rigs, RigGrid) else ""
+        result = _conclude(
+            rows, by_depth, faults, done, plan, simulator, lens_note, complete, beyond_fraction
+        )
+        return replace(result, remarks=tuple(remarks.values()))
+
+
+def _rigs(rigs: object) -> list[StereoRig]:
+    """One rig, or several."""
+    return [given.a(StereoRig, rig, "a StereoRig, several, or a RigGrid") for rig in given.several(rigs)]
+
+
+def _conclude(
+    rows: list[Row],
+    by_depth: list[Row],
+    faults: list[Fault | None],
+    rigs: list[StereoRig],
+    plan: Plan,
+    simulator: Simulator,
+    lens_note: str,
+    complete: bool,
+    beyond_fraction: float,
+) -> SweepResult:
+    table = pd.DataFrame(rows, columns=list(ROW_COLUMNS))
+    depth_table = pd.DataFrame(by_depth, columns=list(DEPTH_COLUMNS))
+    order = rank(table, depth_table)
+    if not order:
+        where = f"scene {simulator.scene.name}: "
+        reasons = dict.fromkeys(reason_of(str(text)).removeprefix(where) for text in table["agreement"])
+        raise InvalidScene(
+            f"{where}no rig has a result ({'; '.join(list(reasons)[:3])}): {advise(simulator, rigs, plan)}"
+        )
+    far_words = words.far_limit_words(plan.far_limit_m, beyond_fraction)
+    swept = words.swept_axes(table, ("baseline_mm", "hfov_deg", "width_px") if lens_note else AXES)
+    per_rig = len(plan.noises) * len(plan.triangulators) * len(plan.sensors)
+    return SweepResult(
+        rows=table,
+        by_depth=depth_table,
+        swept=swept,
+        best=order,
+        limits=words.limits(table),
+        lens_note=lens_note,
+        showcase=_showcase(simulator, rigs[order[0] // per_rig], order[0], plan),
+        verdict=_with_rigs(
+            words.judge(table, depth_table, swept, order, lens_note, complete, far_words), plan
+        ),
+        provenance={
+            **simulator_provenance(simulator),
+            "seed": plan.seed,
+            "points": plan.n_points,
+            "trials": plan.n_trials,
+            **plan.extra,
+        },
+        far_limit_m=plan.far_limit_m if far_words else math.inf,
+        complete=complete,
+        faults=tuple(faults),
+    )
+
+
+def _with_rigs(verdict: Verdict, plan: Plan) -> Verdict:
+    """The verdict, with a word of it when the true rig is not the assumed one."""
+    if plan.assumed is None and plan.perturbation is None:
+        return verdict
+    said = (
+        "Pixels and pictures are the true rig's; depths are triangulated, predicted and measured with the "
+        "assumed one."
+    )
+    return replace(verdict, sentences=(*verdict.sentences, said))
+
+
+def _showcase(simulator: Simulator, rig: StereoRig, row: int, plan: Plan) -> Showcase:
+    """The best configuration once more, with its pictures and point by point: the streams repeat it."""
+    seen: Look = look(simulator, rig, plan)
+    truth = seen.truth
+    # rows run over the rigs, then the noise levels, the triangulators and the sensors
+    rest, sensor_index = divmod(row, len(plan.sensors))
+    rest, label_index = divmod(rest, len(plan.triangulators))
+    noise = plan.noises[rest % len(plan.noises)]
+    sensor = list(plan.sensors.values())[sensor_index]
+    frame = seen.exposures[without_noise(sensor)].frame
+    _, stats = simulate(simulator, rig, truth, noise, plan, np.zeros(len(truth.visible), dtype=np.int32))
+    label = triangulator_label(plan.triangulators[label_index])
+    depth_rmse_m = np.full(len(truth.visible), math.nan)
+    depth_rmse_m[truth.visible] = stats[label].depth_rmse_m
+    return Showcase(
+        row=row,
+        rig=rig,
+        noise=noise,
+        image_left=frame.left.image,
+        image_right=frame.right.image,
+        points_left=truth.points_left,
+        visible=truth.visible,
+        sensor=sensor,
+        depth_rmse_m=depth_rmse_m,
+    )

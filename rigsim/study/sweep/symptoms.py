@@ -1,0 +1,212 @@
+"""A triangulator that a sweep asks again, and what its answers show at sight."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from rigsim.rig.arrays import Array, Mask
+from rigsim.rig.noise import PixelNoise
+from rigsim.rig.stereo import StereoRig
+from rigsim.study.agreement.views import views
+from rigsim.study.scene.plan import Triangulator
+from rigsim.theory.triangulation import triangulate
+from rigsim.theory.uncertainty import predict_covariance
+
+TRIALS = 30
+"""How often a triangulator is asked with noise, or one that answers differently each time."""
+
+_MOST_POINTS = 400
+_SEED = 20_240_229
+_LEAST_NOISE_PX = 1e-3  # exact pixels have no scatter to weigh errors by
+_LOST = 1e-3
+_AT_INFINITY = 1e-6  # of the true 1/Z
+_LIFT_PX, _FAR_M, _MOST = 10.0, 1e6, 0.9
+_SPREAD = 0.05
+_ONE_IMAGE = 1.3  # sqrt(2) with equal lenses
+_IMPURE = 0.03
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """What is off."""
+
+    name: str
+    """Stable short name, as ``yaw``; ``unknown`` when no single known mistake explains the errors."""
+    says: str
+    """One sentence without a full stop."""
+    amount: float = math.nan
+    """How much, in `unit`: truth minus what the triangulation takes; NaN where it has no amount."""
+    amount_se: float = math.nan
+    """Standard error of the amount."""
+    unit: str = ""
+    """Unit of the amount."""
+    explained: float = math.nan
+    """Share of the weighted mean square error that it explains; NaN where that is not what tells."""
+    also: tuple[str, ...] = ()
+    """Short names of the mistakes that have the same effect here."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Asked:
+    """Some points, and how errors of their views are weighed."""
+
+    rig: StereoRig
+    """The rig that is assumed."""
+    points_left: Array
+    """True points, (N, 3), m."""
+    whitening: Array
+    """(N, 3, 3): makes errors of the views of one trial white."""
+    method: Triangulator
+    """What is asked."""
+
+    def __getitem__(self, rows: Mask) -> Asked:
+        """Some of the points."""
+        return Asked(self.rig, self.points_left[rows], self.whitening[rows], self.method)
+
+    def answer(self, rig: StereoRig) -> Array:
+        """What the triangulator makes of the pixels that `rig` sees, without noise."""
+        return triangulate(self.rig, *rig.project(self.points_left), self.method)
+
+    def size(self, found_left: Array) -> Array:
+        """Size (N,) of the errors in standard deviations of one trial; NaN where nothing was found."""
+        error = views(found_left) - views(self.points_left)
+        return np.asarray(np.linalg.norm(np.einsum("nij,nj->ni", self.whitening, error), axis=1))
+
+
+def ask(rig: StereoRig, points_left: Array, noise: PixelNoise, method: Triangulator) -> Asked:
+    """At most `_MOST_POINTS` of the points (N, 3) m, in the order they have."""
+    uv = np.hstack(rig.project(points_left))
+    points = points_left[np.isfinite(uv).all(axis=1)]
+    points = (
+        points[np.unique(np.linspace(0, len(points) - 1, _MOST_POINTS).astype(int))]
+        if len(points)
+        else points
+    )
+    weighed = noise if noise.std_px > _LEAST_NOISE_PX else PixelNoise(_LEAST_NOISE_PX)
+    x, y, z = points.T
+    to_views = np.zeros((len(points), 3, 3))
+    to_views[:, 0, 2] = -1 / z**2
+    to_views[:, 1, 0] = to_views[:, 2, 1] = 1 / z
+    to_views[:, 1, 2], to_views[:, 2, 2] = -x / z**2, -y / z**2
+    covariance = to_views @ predict_covariance(rig, points, weighed) @ to_views.transpose(0, 2, 1)
+    known = np.isfinite(covariance).all(axis=(1, 2))
+    whitening = np.linalg.inv(np.linalg.cholesky(covariance[known]))
+    return Asked(rig, points[known], whitening, method)
+
+
+def flat(found: Array) -> Fault | None:
+    """Coordinates that are zero or the same in every row."""
+    known = found[np.isfinite(found).all(axis=1)]
+    same = [axis for i, axis in enumerate("XYZ") if np.ptp(known[:, i]) <= 1e-12 * np.abs(known).max()]
+    if not same:
+        return None
+    words = " and ".join(same)
+    zero = not known[:, ["XYZ".index(axis) for axis in same]].any()
+    what = "0" if zero else "the same number"
+    return Fault(
+        "constant-coordinates", f"{words} {'comes' if len(same) == 1 else 'come'} back as {what} in every row"
+    )
+
+
+def without_disparity(asked: Asked, found: Array) -> Fault | None:
+    """Of answers at infinity: whether the depth follows the rows instead of the columns."""
+    inverse = views(found)[:, 0] / views(asked.points_left)[:, 0]
+    if not np.nanmedian(np.where(np.isfinite(inverse), np.abs(inverse), 0.0)) < _AT_INFINITY:
+        return None
+    uv_left, uv_right = asked.rig.project(asked.points_left)
+
+    def is_answered(*move_px: float) -> bool:
+        moved = triangulate(asked.rig, uv_left, uv_right + move_px, asked.method)
+        near = np.isfinite(moved).all(axis=1) & (np.abs(moved[:, 2]) < _FAR_M)
+        return float(near.mean()) >= _MOST
+
+    if is_answered(0.0, -_LIFT_PX):
+        says = "u and v are exchanged: depth follows the rows instead of the columns"
+        return Fault("row-column-exchanged", says)
+    # where the disparity is taken with the other sign, it is right again once it is turned over
+    if is_answered(2 * float(np.abs(uv_left - uv_right).max()), 0.0):
+        return None
+    return Fault("no-disparity", "disparities come out as 0, whatever the pixels: is one image used twice?")
+
+
+def where(asked: Asked, off: Mask) -> str:
+    """In which part of the image or of the depth the wrong rows lie; empty when in none."""
+    uv_left, _ = asked.rig.project(asked.points_left)
+    lens = asked.rig.left
+    candidates: tuple[tuple[str, Array, float, float, str], ...] = (
+        ("u", uv_left[:, 0], -0.5, lens.width - 0.5, "px in the left image"),
+        ("v", uv_left[:, 1], -0.5, lens.height - 0.5, "px in the left image"),
+        ("Z", asked.points_left[:, 2], 0.0, math.inf, "m"),
+    )
+    told: list[tuple[float, str]] = []
+    for name, values, least, most, unit in candidates:
+        low, high = float(values[off].min()), float(values[off].max())
+        outside = values[~off]
+        impure = float(((outside >= low) & (outside <= high)).mean())
+        if impure > _IMPURE:
+            continue
+        ends_low, ends_high = not (outside < low).any(), not (outside > high).any()
+        low, high = max(low, least), min(high, most)
+        span = (
+            f"below {high:.4g}"
+            if ends_low
+            else f"above {low:.4g}"
+            if ends_high
+            else f"from {low:.4g} to {high:.4g}"
+        )
+        told.append((impure, f"points with {name} {span} {unit}"))
+    return min(told)[1] if told else ""
+
+
+def scatter(asked: Asked, noise: PixelNoise) -> Fault | None:
+    """Whether the errors under noise are as wide as the noise makes them, and whether points are lost."""
+    if not noise.std_px:
+        return None
+    rng = np.random.default_rng(_SEED)
+    uv_left, uv_right = (
+        np.broadcast_to(uv, (TRIALS, *uv.shape)) for uv in asked.rig.project(asked.points_left)
+    )
+    noisy_left, noisy_right = noise.apply(uv_left, uv_right, rng)
+    found = triangulate(asked.rig, noisy_left.reshape(-1, 2), noisy_right.reshape(-1, 2), asked.method)
+    lost = float((~np.isfinite(found).all(axis=1)).mean())
+    if lost > _LOST:
+        return Fault("lost-points", f"{percent(lost)} of the points come back as NaN once there is noise")
+    seen = views(found).reshape(TRIALS, -1, 3)
+    error = seen - np.nanmean(seen, axis=0)
+    covariance = np.linalg.inv(asked.whitening.transpose(0, 2, 1) @ asked.whitening)
+    std = np.sqrt(np.einsum("nii->ni", covariance) * (1 - 1 / TRIALS))
+    depth, column, row = (float(np.nanmedian(np.abs(error[..., i]) / std[:, i])) / 0.6745 for i in range(3))
+    widest = max(depth, column, row)
+    narrowest = min(depth, column, row)
+    times = math.sqrt((depth**2 + column**2 + row**2) / 3)
+    if max(widest - 1, 1 - narrowest) <= _SPREAD:
+        return None
+    if abs(depth - 1) <= _SPREAD and abs(column - 1) <= _SPREAD:
+        wide = f"Y scatters {row:#.3g} times as wide as the noise makes it"
+        if row < 1:
+            return Fault("too-little-scatter", wide, row)
+        wasted = (
+            "one image's rows are not used" if row > _ONE_IMAGE else "part of what the rows say is wasted"
+        )
+        return Fault("rows-wasted", f"{wide}: {wasted}", row)
+    if times < 1:
+        return Fault(
+            "too-little-scatter",
+            f"errors scatter only {times:#.3g} times as wide as noise of {noise.std_px:g} px makes "
+            "them: answers are averaged or drawn to a prior, or the truth leaks in",
+            times,
+        )
+    return Fault(
+        "too-much-scatter",
+        f"errors scatter {times:#.3g} times as wide as noise of {noise.std_px:g} px makes them, as noise of "
+        f"{times * noise.std_px:.3g} px would: noise is added, or part of what the pixels say is wasted",
+        times,
+    )
+
+
+def percent(share: float) -> str:
+    """A share as people say it."""
+    return f"{share * 100:.0f} %" if share >= 0.1 else f"{share * 100:.2g} %"

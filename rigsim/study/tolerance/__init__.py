@@ -1,0 +1,1 @@
+"""What must be held how tightly, and how many built rigs are good."""

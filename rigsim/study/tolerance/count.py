@@ -1,0 +1,132 @@
+"""How many built rigs are good, on as many as it takes to tell whether 95 of 100 are."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import betaincinv
+
+from rigsim.rig.arrays import Array, Mask
+from rigsim.rig.stereo import StereoRig
+from rigsim.study.tolerance.batch import RigBatch, read_rays
+from rigsim.study.tolerance.built import built_depths, draw, rigs_a_block
+from rigsim.study.tolerance.compensator import Compensator
+from rigsim.study.tolerance.inputs import Causes
+from rigsim.study.tolerance.judge import Judge, make_judge
+from rigsim.study.tolerance.needed import GOOD
+from rigsim.study.tolerance.sensitivities import Requirement, Tolerances, causes, shared_points
+from rigsim.study.tolerance.session import Recalibration, make_compensator
+
+AS_BUILT = (4000, 12_000)
+"""Rigs that are built, and how many more where the first do not tell."""
+RECALIBRATED = (300, 900)
+"""Rigs that are recalibrated, and how many more."""
+FALSE_ALARM = 0.005
+"""Probability, at most, that one look calls 95 of 100 good when fewer are; or fewer when they are."""
+COARSEST = 0.015
+"""Standard error of a share that is exact enough."""
+POINTS = 64
+"""Points that each is judged by."""
+
+
+@dataclass(frozen=True, slots=True)
+class Count:
+    """Good rigs among all that were built."""
+
+    good: int
+    """The good ones."""
+    rigs: int
+    """All of them."""
+
+    @property
+    def share(self) -> float:
+        """Share of the good ones, 0 to 1."""
+        return self.good / self.rigs
+
+    @property
+    def standard_error(self) -> float:
+        """Standard error of that share; of one rig more, good or not, where all agree."""
+        near = (self.good + 1) / (self.rigs + 2)
+        return math.sqrt(near * (1 - near) / self.rigs)
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Where the true share lies: each end is missed with a probability of `FALSE_ALARM` at most
+        (Clopper and Pearson, Biometrika 26, 1934)."""
+        good, bad = self.good, self.rigs - self.good
+        low = 0.0 if not good else float(betaincinv(good, bad + 1, FALSE_ALARM))
+        high = 1.0 if not bad else float(betaincinv(good + 1, bad, 1 - FALSE_ALARM))
+        return low, high
+
+    @property
+    def is_enough(self) -> bool | None:
+        """Whether at least 95 of 100 are good; None where that is not told."""
+        low, high = self.interval
+        return True if low >= GOOD else False if high < GOOD else None
+
+
+def count_good(
+    rig: StereoRig,
+    tolerances: Tolerances,
+    required: Requirement,
+    range_m: tuple[float, float],
+    *,
+    noise_px: float,
+    recalibration: Recalibration | None = None,
+    sizes: Sequence[int] | None = None,
+    seed: int = 0,
+) -> Count:
+    """Build rigs within tolerance, and count those that meet the requirement with their pixel noise.
+
+    Args:
+        rig: the assumed rig.
+        tolerances: what a built one may be off by.
+        required: depth error and distance.
+        range_m: near and far end, for the recalibration.
+        noise_px: standard deviation of one pixel coordinate, px.
+        recalibration: what each rig is recalibrated on, knowing nothing beforehand; None leaves it out.
+        sizes: rigs of each look; the next is taken only where those before do not tell.
+        seed: of the random numbers.
+
+    Raises:
+        InvalidRange: no tolerance, or a depth that not both cameras see.
+    """
+    off = causes(rig, tolerances)
+    points = shared_points(rig, required.depth_m, POINTS)
+    judge = make_judge(rig, points, required, noise_px)
+    compensator = None
+    if recalibration is not None and not off.after_calibration.all():
+        compensator = make_compensator(rig, off, recalibration, range_m)
+    found = Count(0, 0)
+    for look, size in enumerate(sizes or (AS_BUILT if compensator is None else RECALIBRATED)):
+        good = _good(rig, off, judge, points, size, compensator, np.random.default_rng([seed, look]))
+        found = Count(found.good + int(good.sum()), found.rigs + size)
+        if found.is_enough is not None and found.standard_error <= COARSEST:
+            break
+    return found
+
+
+def _good(
+    rig: StereoRig,
+    off: Causes,
+    judge: Judge,
+    points: Array,
+    n_rigs: int,
+    compensator: Compensator | None,
+    rng: np.random.Generator,
+) -> Mask:
+    drawn = draw(off, n_rigs, rng) * off.std
+    size = rigs_a_block(len(points))
+    parts = []
+    for start in range(0, n_rigs, size):
+        deviations = drawn[start : start + size]
+        depths, pixels, read = built_depths(rig, deviations @ off.effect, points)
+        if compensator is not None:
+            known = deviations * ~off.after_calibration @ off.effect
+            batch = RigBatch(rig, compensator.solve(*compensator.observe(known, rng)))
+            depths = batch.triangulate(batch.rays(pixels, read or read_rays(rig, pixels)))[2]
+        parts.append(judge.is_good(depths))
+    return np.concatenate(parts)

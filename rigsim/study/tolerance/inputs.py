@@ -1,0 +1,206 @@
+"""What a built rig may be off by: the quantities, their tolerances, and what they do to the rig."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from rigsim.errors import InvalidRange
+from rigsim.rig.arrays import Array, Mask
+from rigsim.rig.stereo import StereoRig
+from rigsim.study.tolerance.batch import PARAMETERS
+
+DISTRIBUTIONS = ("normal", "uniform")
+"""normal: a tolerance is one standard deviation. uniform: it is a bound, +-."""
+GIVEN = "given"
+"""Source of a tolerance that is no class's."""
+ESTIMATE = "estimate"
+"""Source of a tolerance that is nobody's measurement."""
+
+QUANTITIES: Mapping[str, str] = MappingProxyType(
+    {
+        "yaw_deg": "yaw",
+        "pitch_deg": "pitch",
+        "roll_deg": "roll",
+        "baseline_mm": "baseline",
+        "axial_mm": "axial shift",
+        "vertical_mm": "vertical shift",
+        "right_focal_px": "right focal length",
+        "both_focal_px": "focal length of both",
+        "right_cx_px": "right principal point u",
+        "right_cy_px": "right principal point v",
+        "right_k1": "right k1",
+        "both_k1": "k1 of both",
+        "left_focal_px": "left focal length",
+        "left_cx_px": "left principal point u",
+        "left_cy_px": "left principal point v",
+        "left_k1": "left k1",
+        "time_offset_ms": "time offset",
+        "temperature_k": "temperature",
+    }
+)
+"""What may be off, with its name for people; the unit is the end of the key."""
+UNITS: Mapping[str, str] = MappingProxyType(
+    {key: key.rpartition("_")[2].replace("k1", "") for key in QUANTITIES} | {"temperature_k": "K"}
+)
+"""Unit of each quantity."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerances:
+    """Standard deviations, or +- bounds, of what a built rig is off by; 0 is exact.
+
+    Most are those of `rigsim.rig.perturbation.Perturbation`; more are of the lenses: the right principal
+    point's v, a focal length that both cameras share, in px of the left one (the right one grows in
+    proportion), and what is off in the left camera alone. The last two come after a calibration
+    and move the baseline: an object that passes at `speed_m_s` moves on by ``speed x time offset`` between
+    the two pictures, and the bar between the cameras grows by ``baseline x expansion x temperature``.
+    """
+
+    yaw_deg: float = 0.0
+    pitch_deg: float = 0.0
+    roll_deg: float = 0.0
+    baseline_mm: float = 0.0
+    axial_mm: float = 0.0
+    vertical_mm: float = 0.0
+    right_focal_px: float = 0.0
+    both_focal_px: float = 0.0
+    right_cx_px: float = 0.0
+    right_cy_px: float = 0.0
+    right_k1: float = 0.0
+    both_k1: float = 0.0
+    left_focal_px: float = 0.0
+    left_cx_px: float = 0.0
+    left_cy_px: float = 0.0
+    left_k1: float = 0.0
+    time_offset_ms: float = 0.0
+    temperature_k: float = 0.0
+    speed_m_s: float = 1.0
+    """Speed of the object along the baseline, m/s: no tolerance, but what a time offset acts on."""
+    expansion_per_k: float = 23e-6
+    """Relative growth of the baseline per kelvin: aluminium's by default."""
+    distribution: str = "normal"
+    """One of `DISTRIBUTIONS`; uniform makes a bound of every tolerance."""
+    bounds: frozenset[str] = frozenset()
+    """Keys whose tolerance is a bound even when the others are standard deviations."""
+    sources: tuple[tuple[str, str], ...] = ()
+    """Key and source of tolerances that were not given but taken from a class."""
+
+    def __post_init__(self) -> None:
+        if self.distribution not in DISTRIBUTIONS:
+            raise InvalidRange(
+                f"distribution {self.distribution!r}: choose one of {', '.join(DISTRIBUTIONS)}"
+            )
+        unknown = sorted({*self.bounds, *(key for key, _ in self.sources)} - set(QUANTITIES))
+        if unknown:
+            raise InvalidRange(f"tolerance {unknown[0]!r}: choose one of {', '.join(QUANTITIES)}")
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if isinstance(value, (int, float)) and not (math.isfinite(value) and value >= 0):
+                raise InvalidRange(f"tolerance {item.name} {value:g}: must be a finite number >= 0")
+
+    def is_bound(self, key: str) -> bool:
+        """Whether the tolerance of `key` is a bound."""
+        return self.distribution == "uniform" or key in self.bounds
+
+    def std(self, key: str) -> float:
+        """Standard deviation of the quantity `key`, in its unit; evenly within a bound."""
+        value = float(getattr(self, key))
+        return value / math.sqrt(3) if self.is_bound(key) else value
+
+    def source(self, key: str) -> str:
+        """Where the tolerance of `key` comes from."""
+        return dict(self.sources).get(key, GIVEN)
+
+
+def with_values(base: Tolerances, values: Mapping[str, Any]) -> Tolerances:
+    """`base` with some fields replaced; the quantities among them are given ones from then on."""
+    kept = tuple((key, source) for key, source in base.sources if key not in values)
+    bounds = values.get("bounds", base.bounds - set(values))
+    return replace(base, **{"sources": kept, **values, "bounds": frozenset(bounds)})
+
+
+@dataclass(frozen=True, slots=True)
+class Requirement:
+    """Largest depth error of one built rig at a distance, over the image and its pixel noise."""
+
+    error_m: float
+    """Bound, m."""
+    depth_m: float
+    """Distance, m."""
+    p95: bool = False
+    """Whether 95 of 100 errors are to stay under the bound; else it is their root mean square."""
+
+    def __post_init__(self) -> None:
+        for name, value in (("depth error", self.error_m), ("distance", self.depth_m)):
+            if not (math.isfinite(value) and value > 0):
+                raise InvalidRange(f"required {name} {value * 1e3:g} mm: must be > 0")
+        if self.error_m >= self.depth_m:
+            raise InvalidRange(
+                f"required depth error {self.error_m * 1e3:g} mm: must be < its distance"
+                f" {self.depth_m * 1e3:g} mm"
+            )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Causes:
+    """What is off, in `QUANTITIES`' units, and what that does to a rig's parameters."""
+
+    keys: tuple[str, ...]
+    """Quantities whose tolerance is not zero."""
+    values: Array
+    """Their tolerances (q,), as given."""
+    std: Array
+    """Their standard deviations (q,)."""
+    even: Mask
+    """Which (q,) lie evenly within a bound; the others are normal."""
+    effect: Array
+    """Change (q, p) of `PARAMETERS` per unit of each."""
+    after_calibration: Mask
+    """Which (q,) come after a calibration."""
+
+
+def causes(rig: StereoRig, tolerances: Tolerances) -> Causes:
+    """The quantities that are off at all.
+
+    Raises:
+        InvalidRange: none is.
+    """
+    keys = tuple(key for key in QUANTITIES if getattr(tolerances, key) > 0)
+    if not keys:
+        raise InvalidRange("tolerances: all are 0; give a class or at least one tolerance > 0")
+    return Causes(
+        keys,
+        np.array([getattr(tolerances, key) for key in keys], dtype=np.float64),
+        np.array([tolerances.std(key) for key in keys]),
+        np.array([tolerances.is_bound(key) for key in keys]),
+        np.array([_effect(rig, tolerances, key) for key in keys]),
+        np.array([key in ("time_offset_ms", "temperature_k") for key in keys]),
+    )
+
+
+def _effect(rig: StereoRig, tolerances: Tolerances, key: str) -> Array:
+    """Change (p,) of `PARAMETERS`, in SI units, per unit of the quantity `key`."""
+    changes: dict[str, float] = {
+        "yaw_deg": {"yaw_rad": math.radians(1)},
+        "pitch_deg": {"pitch_rad": math.radians(1)},
+        "roll_deg": {"roll_rad": math.radians(1)},
+        "baseline_mm": {"baseline_m": 1e-3},
+        "axial_mm": {"axial_m": 1e-3},
+        "vertical_mm": {"vertical_m": 1e-3},
+        # the left camera alone: both, and the right one back again
+        "left_focal_px": {"both_focal_px": 1.0, "right_focal_px": -rig.right.fx / rig.left.fx},
+        "left_k1": {"both_k1": 1.0, "right_k1": -1.0},
+        # principal points that are off alike turn the whole rig: only their difference moves depths
+        "left_cx_px": {"right_cx_px": -rig.right.fx / rig.left.fx},
+        "left_cy_px": {"right_cy_px": -rig.right.fy / rig.left.fy},
+        # the object moves on while the right camera waits: as if that one stood nearer
+        "time_offset_ms": {"baseline_m": -1e-3 * tolerances.speed_m_s},
+        "temperature_k": {"baseline_m": tolerances.expansion_per_k * rig.baseline_m},
+    }.get(key, {key: 1.0})
+    return np.array([changes.get(name, 0.0) for name in PARAMETERS])

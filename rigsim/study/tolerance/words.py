@@ -1,0 +1,83 @@
+"""What a tolerance study says, in sentences."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rigsim.rig.arrays import Mask
+from rigsim.study.tolerance.inputs import QUANTITIES
+from rigsim.study.tolerance.run import ToleranceResult
+
+
+def interactions_sentence(result: ToleranceResult) -> str:
+    """Whether quantities act on one another, by the Sobol indices of the depth error; empty without any."""
+    found, at = result.interactions, f"{result.required.depth_m:g} m"
+    if found is None:
+        if np.isfinite(result.judged.built.build_mm).all():
+            return ""
+        return (
+            f"No Sobol indices at {at}: some rigs have no depth at all there, so its error has no variance;"
+            " judge the rigs at a nearer distance."
+        )
+    error = found.error
+    if not error.noticed:
+        return (
+            "Each quantity acts on its own: no interaction beyond 1 % of the variance and the sampling error."
+        )
+    worst = sorted(error.noticed, key=lambda place: -error.together[place])
+    named = ", ".join(
+        f"{QUANTITIES[found.keys[place]]} ({100 * error.total[place]:.1f} % with others,"
+        f" {100 * error.first[place]:.1f} % alone)"
+        for place in worst[:3]
+    )
+    return f"Quantities act on one another: {named}. Shares of the first order do not say all."
+
+
+def yield_sentence(result: ToleranceResult) -> str:
+    """How many rigs are good with their pixel noise, and by their build alone."""
+    judged = result.judged
+    with_noise = f", with pixel noise of {result.noise_px:g} px" if result.noise_px else ""
+    says = f"{_percent(judged.built.good)} of the rigs meet the requirement as built"
+    if judged.recalibrated is not None:
+        says += f", {_percent(judged.recalibrated.good)} after recalibration"
+    says += f"{with_noise}."
+    if result.noise_px:
+        says += f" By their build alone {_percent(judged.built.good_alone)}"
+        if judged.recalibrated is not None:
+            says += f" and {_percent(judged.recalibrated.good_alone)}"
+        says += f" would; noise alone errs {judged.noise_mm:.3g} mm."
+    return says
+
+
+def _percent(good: Mask) -> str:
+    """A share in percent; 0 and 100 only where all agree."""
+    share = float(good.mean())
+    if 0 < share < 0.0005:
+        return "< 0.1 %"
+    return "> 99.9 %" if 0.9995 <= share < 1 else f"{100 * share:.3g} %"
+
+
+def informed_sentence(result: ToleranceResult) -> str:
+    """What a recalibration that knows the tolerances would leave; empty without a recalibration."""
+    judged = result.judged
+    if judged.recalibrated is None or judged.informed is None:
+        return ""
+    plain, informed = (float(np.median(rigs.build_mm)) for rigs in (judged.recalibrated, judged.informed))
+    return (
+        f"That recalibration knows nothing beforehand: its median rig errs {plain:.3g} mm by its build."
+        f" One that knew the tolerances would leave {informed:.3g} mm, and"
+        f" {_percent(judged.informed.good)} of the rigs good."
+    )
+
+
+def recalibration_sentence(result: ToleranceResult) -> str:
+    """What the recalibration has to work with, and that reality is worse; empty without one."""
+    session, length_m = result.recalibration, result.known_length_m
+    if session is None or length_m is None:
+        return ""
+    return (
+        f"Recalibration at its best: {session.features} features in {session.pictures} pictures,"
+        f" {session.noise_px:g} px each, averaged to {session.averaged_px:.2g} px; one length of"
+        f" {length_m:.3g} m known to {session.length_std_mm:g} mm; no false match, no lens error but the"
+        " tolerances' own."
+    )

@@ -1,0 +1,1 @@
+"""Triangulators by name, and other people's in a process of their own."""

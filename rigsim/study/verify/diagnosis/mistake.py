@@ -1,0 +1,59 @@
+"""What a mistake is: something done to what a right triangulator is given, or to what it gives back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+from rigsim.rig.arrays import Array
+from rigsim.study.verify.diagnosis.reenact import Given, Lenses, Solver
+
+Before: TypeAlias = Callable[[Given], Given]
+"""What the triangulator is made to believe."""
+After: TypeAlias = Callable[[Array, Given], Array]
+"""What becomes of the right points (N, 3) m; the second argument is what was truly given."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mistake:
+    """One way to be wrong."""
+
+    name: str
+    """Stable short name, as ``swapped-images``; variants of one mistake share it."""
+    says: str
+    """What it is, and what to look for in the code, one sentence."""
+    before: Before | None = None
+    """What it does to pixels, lenses and pose; None for nothing."""
+    after: After | None = None
+    """What it does to the points; None for nothing."""
+    solver: Solver | None = None
+    """The only triangulator that makes it; None for any."""
+    cost: float = 0.0
+    """How much more it must explain to be believed before a simpler one."""
+
+
+def of_left(change: Callable[[Lenses], Lenses]) -> Before:
+    """Change the left camera."""
+    return lambda g: replace(g, left=change(g.left))
+
+
+def of_right(change: Callable[[Lenses], Lenses]) -> Before:
+    """Change the right camera."""
+    return lambda g: replace(g, right=change(g.right))
+
+
+def of_both(change: Callable[[Lenses], Lenses]) -> Before:
+    """Change either camera in the same way."""
+    return lambda g: replace(g, left=change(g.left), right=change(g.right))
+
+
+def sides(
+    name: str, says: str, change: Callable[[Lenses], Lenses], cost: float = 0.0
+) -> tuple[Mistake, Mistake, Mistake]:
+    """The mistake in both cameras, in the left one alone, in the right one alone; `says` has a ``{}``."""
+    return (
+        Mistake(name, says.format("both images"), of_both(change), cost=cost),
+        Mistake(name, says.format("the left image alone"), of_left(change), cost=cost + 0.002),
+        Mistake(name, says.format("the right image alone"), of_right(change), cost=cost + 0.002),
+    )

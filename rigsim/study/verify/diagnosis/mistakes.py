@@ -1,0 +1,138 @@
+"""The mistakes that a diagnosis knows by name; here those with images and cameras."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from rigsim.rig.arrays import Array
+from rigsim.study.verify.diagnosis.mistake import Mistake
+from rigsim.study.verify.diagnosis.of_answer import ANSWER
+from rigsim.study.verify.diagnosis.of_distortion import DISTORTION
+from rigsim.study.verify.diagnosis.of_lens import NUMBERS, PIXELS
+from rigsim.study.verify.diagnosis.of_pose import POSE, invert
+from rigsim.study.verify.diagnosis.of_rectification import RECTIFICATION
+from rigsim.study.verify.diagnosis.reenact import Given, Solver, homogeneous
+
+
+def _swap_images(g: Given) -> Given:
+    return replace(g, uv_left=g.uv_right, uv_right=g.uv_left)
+
+
+def _swap_lenses(g: Given) -> Given:
+    return replace(g, left=g.right, right=g.left)
+
+
+_SWAPPED = "Answers are what exchanged cameras give: left and right calibration are mixed up with the images"
+
+CAMERAS: tuple[Mistake, ...] = (
+    Mistake(
+        "swapped-images",
+        "Answers are what swapped images give: uv_left and uv_right are exchanged somewhere.",
+        _swap_images,
+    ),
+    Mistake("swapped-cameras", f"{_SWAPPED} (both lenses).", lambda g: _swap_images(_swap_lenses(g))),
+    Mistake("swapped-cameras", f"{_SWAPPED} (lenses and pose).", lambda g: _swap_lenses(invert(g))),
+    Mistake("swapped-cameras", f"{_SWAPPED} (pose).", lambda g: _swap_images(invert(g))),
+    Mistake(
+        "swapped-intrinsics",
+        "The left lens is used for the right image and the right one for the left: the two K are exchanged.",
+        _swap_lenses,
+    ),
+    Mistake(
+        "left-intrinsics-for-both",
+        "The left camera's K is used for the right image as well.",
+        lambda g: replace(g, right=replace(g.left, bend=g.right.bend)),
+        cost=0.0015,
+    ),
+    Mistake(
+        "left-intrinsics-for-both",
+        "The left camera's K and distortion are used for the right image as well.",
+        lambda g: replace(g, right=g.left),
+        cost=0.0015,
+    ),
+    Mistake(
+        "right-intrinsics-for-both",
+        "The right camera's K is used for the left image as well.",
+        lambda g: replace(g, left=replace(g.right, bend=g.left.bend)),
+        cost=0.0015,
+    ),
+    Mistake(
+        "right-intrinsics-for-both",
+        "The right camera's K and distortion are used for the left image as well.",
+        lambda g: replace(g, left=g.right),
+        cost=0.0015,
+    ),
+    Mistake(
+        "swapped-intrinsics",
+        "The two K are exchanged, the distortions are not.",
+        lambda g: replace(
+            g, left=replace(g.right, bend=g.left.bend), right=replace(g.left, bend=g.right.bend)
+        ),
+        cost=0.002,
+    ),
+)
+"""Which camera is which."""
+
+
+def _parallel(length: Callable[[Given], Array], doffs: bool, undistorted: bool, mean_row: bool) -> Solver:
+    """Z = f B / d whatever the rig."""
+
+    def solve(g: Given, left: Array, right: Array) -> Array:
+        one, other = (
+            (left, right)
+            if undistorted
+            else ((g.uv_left - g.left.c) / g.left.f, (g.uv_right - g.right.c) / g.right.f)
+        )
+        fx = g.left.f[:, 0]
+        u_left = one[:, 0] * fx + g.left.c[:, 0]
+        u_right = other[:, 0] * g.right.f[:, 0] + g.right.c[:, 0]
+        offset = g.right.c[:, 0] - g.left.c[:, 0] if doffs else 0.0
+        z = fx * length(g) / (u_left - u_right + offset)
+        y = (one[:, 1] + other[:, 1]) / 2 if mean_row else one[:, 1]
+        return homogeneous(np.column_stack([one[:, 0], y])) * z[:, None]
+
+    return solve
+
+
+def _length(g: Given) -> Array:
+    return np.asarray(np.linalg.norm(g.t, axis=1))
+
+
+def _length_x(g: Given) -> Array:
+    return -g.t[:, 0]
+
+
+def _length_abs_x(g: Given) -> Array:
+    return np.abs(g.t[:, 0])
+
+
+PARALLEL: tuple[Mistake, ...] = tuple(
+    Mistake(
+        "treated-as-rectified",
+        "Z = f B / d is used for rigs that are not rectified"
+        + ("" if doffs else ", and without doffs")
+        + ": rotate and rectify first, or solve for two rays.",
+        solver=_parallel(length, doffs, undistorted, mean_row),
+        cost=0.003,
+    )
+    for length in (_length, _length_x, _length_abs_x)
+    for doffs in (True, False)
+    for undistorted in (True, False)
+    for mean_row in (True, False)
+)
+"""The formula of rectified rigs where it does not hold."""
+
+LIBRARY: tuple[Mistake, ...] = (
+    *CAMERAS,
+    *POSE,
+    *PIXELS,
+    *NUMBERS,
+    *DISTORTION,
+    *ANSWER,
+    *PARALLEL,
+    *RECTIFICATION,
+)
+"""All mistakes that need no fit, the likelier first."""

@@ -1,0 +1,177 @@
+"""Mistakes with lens distortion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from rigsim.rig.arrays import Array
+from rigsim.study.verify.diagnosis.mistake import Mistake, of_both, sides
+from rigsim.study.verify.diagnosis.reenact import Lenses, Undo, by_lens, undo
+
+
+def _bend(order: list[int], factors: tuple[float, ...] = (1.0,) * 5) -> Callable[[Lenses], Lenses]:
+    return lambda lens: replace(lens, bend=lens.bend[:, order] * factors)
+
+
+def _undone(how: Undo) -> Callable[[Lenses], Lenses]:
+    return lambda lens: replace(lens, undo=how)
+
+
+def _fixed_point(steps: int) -> Undo:
+    """OpenCV's iteration."""
+
+    def solve(seen: Array, bend: Array) -> Array:
+        k1, k2, _, _, k3 = bend.T
+        xy = seen
+        for _ in range(steps):
+            s = np.sum(xy**2, axis=1)
+            radial = (1 + s * (k1 + s * (k2 + s * k3)))[:, None]
+            xy = (seen - (_distort(xy, bend) - xy * radial)) / radial
+        return xy
+
+    return solve
+
+
+def _subtracted(steps: int) -> Undo:
+    def solve(seen: Array, bend: Array) -> Array:
+        xy = seen
+        for _ in range(steps):
+            xy = seen - (_distort(xy, bend) - xy)
+        return xy
+
+    return solve
+
+
+def _newton(steps: int) -> Undo:
+    def solve(seen: Array, bend: Array) -> Array:
+        xy = seen
+        for _ in range(steps):
+            residual = _distort(xy, bend) - seen
+            slope = by_jacobian(xy, bend)
+            xy = xy - np.linalg.solve(slope, residual[:, :, None])[:, :, 0]
+        return xy
+
+    return solve
+
+
+def by_jacobian(xy: Array, bend: Array) -> Array:
+    """Derivative (N, 2, 2) of every row's distortion."""
+    columns = []
+    for axis in range(2):
+        step = np.zeros(2)
+        step[axis] = 1e-6
+        columns.append((_distort(xy + step, bend) - _distort(xy - step, bend)) / 2e-6)
+    return np.stack(columns, axis=2)
+
+
+def _distort(xy: Array, bend: Array) -> Array:
+    return by_lens(xy, bend, lambda lens, rows: lens.distort(rows))
+
+
+def _twice(seen: Array, bend: Array) -> Array:
+    return undo(undo(seen, bend), bend)
+
+
+_KEPT = [0, 1, 2, 3, 4]
+_EARLY = "Undistortion stops too early, after {}: iterate until it stands still{}."
+
+DISTORTION: tuple[Mistake, ...] = (
+    *sides("distortion-ignored", "Lens distortion is ignored in {}.", _bend(_KEPT, (0.0,) * 5)),
+    *sides(
+        "distortion-twice",
+        "Distortion is undone twice in {}: pixels were undistorted before.",
+        _undone(_twice),
+    ),
+    *sides(
+        "distortion-inverted",
+        "Distortion is applied where it must be undone, in {}: the model maps ideal to seen.",
+        _undone(_distort),
+    ),
+    *sides(
+        "distortion-sign", "The distortion coefficients have the wrong sign in {}.", _bend(_KEPT, (-1.0,) * 5)
+    ),
+    Mistake(
+        "distortion-swapped",
+        "The two lenses' distortion coefficients are exchanged.",
+        lambda g: replace(
+            g, left=replace(g.left, bend=g.right.bend), right=replace(g.right, bend=g.left.bend)
+        ),
+    ),
+    Mistake(
+        "distortion-swapped",
+        "The left lens's distortion is used for both.",
+        lambda g: replace(g, right=replace(g.right, bend=g.left.bend)),
+    ),
+    Mistake(
+        "distortion-swapped",
+        "The right lens's distortion is used for both.",
+        lambda g: replace(g, left=replace(g.left, bend=g.right.bend)),
+    ),
+    *sides("distortion-p1-p2", "p1 and p2 are exchanged in {}.", _bend([0, 1, 3, 2, 4])),
+    *sides(
+        "distortion-tangential",
+        "Tangential distortion (p1, p2) is ignored in {}.",
+        _bend(_KEPT, (1, 1, 0, 0, 1)),
+    ),
+    *sides("distortion-k3", "k3 is ignored in {}.", _bend(_KEPT, (1, 1, 1, 1, 0))),
+    *sides(
+        "distortion-k1-only",
+        "Of the distortion only k1 is used in {}.",
+        _bend(_KEPT, (1, 0, 0, 0, 0)),
+        cost=0.001,
+    ),
+    *sides(
+        "distortion-order",
+        "k1, k2, p1, p2, k3 are read in another order in {}: k3 comes last, after p1 and p2.",
+        _bend([0, 1, 4, 2, 3]),
+    ),
+    *sides(
+        "distortion-order",
+        "k1, k2, p1, p2, k3 are read in another order in {}: k3 comes last, after p1 and p2.",
+        _bend([0, 1, 3, 4, 2]),
+    ),
+    *sides("distortion-k1-k2", "k1 and k2 are exchanged in {}.", _bend([1, 0, 2, 3, 4])),
+    *sides("distortion-k2", "k2 is ignored in {}.", _bend(_KEPT, (1, 0, 1, 1, 1))),
+    *sides(
+        "distortion-tangential",
+        "Tangential distortion (p1, p2) has the wrong sign in {}.",
+        _bend(_KEPT, (1, 1, -1, -1, 1)),
+    ),
+    *sides(
+        "undistortion-unfinished",
+        "Undistortion in {} is the model with opposite signs: right to first order only, iterate instead.",
+        _undone(lambda seen, bend: _distort(seen, -bend)),
+        cost=0.001,
+    ),
+    *(
+        mistake
+        for steps in (1, 2, 3, 4, 5, 6, 8, 10, 15, 20)
+        for mistake in (
+            Mistake(
+                "undistortion-unfinished",
+                _EARLY.format(f"{steps} fixed-point steps", " (OpenCV's default is 5)"),
+                of_both(_undone(_fixed_point(steps))),
+                cost=0.001,
+            ),
+            Mistake(
+                "undistortion-unfinished",
+                _EARLY.format(f"{steps} steps of subtraction", ""),
+                of_both(_undone(_subtracted(steps))),
+                cost=0.001,
+            ),
+        )
+    ),
+    *(
+        Mistake(
+            "undistortion-unfinished",
+            _EARLY.format(f"{steps} Newton steps", ""),
+            of_both(_undone(_newton(steps))),
+            cost=0.001,
+        )
+        for steps in (1, 2, 3)
+    ),
+)
+"""How a lens bends."""

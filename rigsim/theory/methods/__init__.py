@@ -1,0 +1,1 @@
+"""The triangulators, one module a kind."""

@@ -1,0 +1,1 @@
+"""The tests; a folder a room or use case, and what they share in helpers."""
