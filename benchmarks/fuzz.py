@@ -134,13 +134,16 @@ COMMANDS: dict[tuple[str, ...], tuple[str, ...]] = {
 }
 ALWAYS: dict[tuple[str, ...], tuple[str, ...]] = {
     # little work, so that what takes long is no work but a hang; what follows may ask for more
-    ("sweep",): ("--renderer", "rays", "--measure", "none", "--points", "50", "--trials", "5", "--json"),
+    ("sweep",): (
+        *("--renderer", "rays", "--measure", "none", "--points", "50", "--trials", "5", "--json"),
+        *("--baseline", "60,120", "--resolution", "320x240"),
+    ),
     # software GL ends the whole process where memory is short, so nothing is drawn under the limit
     ("render",): ("--renderer", "rays"),
     ("tolerance",): ("--rigs", "100"),
     ("design",): ("--no-proof",),
     ("compare",): ("--points", "100"),
-    ("verify",): ("--list",),
+    ("verify",): ("--list", "--scene", "none"),
 }
 
 
