@@ -180,7 +180,7 @@ def _report(what: str, count: int, make: Callable[[random.Random], list[str]]) -
         if how.startswith("bad"):
             bad.append(f"{' '.join(words)[:160]}: {told[:300]}")
     print(
-        f"{count} {what}: {dict(ends)}; slowest {slowest:.1f} s of processor time; {len(bad)} bad   (limit 0)",
+        f"{count} {what}: {dict(ends)}; slowest {slowest:.1f} s of processor; {len(bad)} bad   (limit 0)",
         flush=True,
     )
     for line in bad[:20]:
