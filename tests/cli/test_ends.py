@@ -23,7 +23,7 @@ HOLDER = """
 import os, sys, tempfile, time
 from pathlib import Path
 from rigsim import guard, programs
-from rigsim.interop.folder import folder_in_progress
+from rigsim.interop.files.folder import folder_in_progress
 tempfile.tempdir = sys.argv[1]
 def begin():
     said = tempfile.TemporaryFile()

@@ -241,9 +241,9 @@ def test_the_worker_does_not_outlive_who_asks(sent: signal.Signals, folder: Path
     tests = Path(__file__).parent
     program = f"""
         import sys
-        sys.path[:0] = [{str(tests)!r}, {str(tests.parent)!r}]
+        sys.path[:0] = [{str(tests)!r}, {str(tests.parents[1])!r}]
         from test_verify_worker import PIXELS, RIG
-        from rigsim.study.verify.worker import IsolatedTriangulator
+        from rigsim.study.triangulators.isolated import IsolatedTriangulator
         with IsolatedTriangulator("asleep:f", 2.0 if {sent == signal.SIGKILL} else 60.0) as asleep:
             asleep(RIG, *PIXELS)
         """
