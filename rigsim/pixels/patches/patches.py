@@ -31,6 +31,7 @@ from rigsim.pixels.patches.spline import Indices, RowSpline, derivative_noise_ga
 from rigsim.rig.arrays import AnyImage, Array, Mask
 from rigsim.rig.observations import Observations
 from rigsim.rig.stereo import StereoRig
+from rigsim.statistics import inner_range
 
 _LEAST_SCORE = 0.7  # by chance alone the best of a thousand places reaches 0.6
 _UNIQUENESS = 0.1  # half a pixel of phase alone lowers a correlation by nearly as much
@@ -87,9 +88,9 @@ class PatchMatches:
     def disparity_range(self) -> tuple[float, float]:
         """Where a dense matcher should search, px: all but the outermost percent of the trusted
         disparities, and a tenth of their span, at least 8 px, beyond."""
-        low, high = np.nanquantile(self.disparity, (0.01, 0.99))
-        margin = max(8.0, 0.1 * float(high - low))
-        return float(low) - margin, float(high) + margin
+        low, high = inner_range(self.disparity)
+        margin = max(8.0, 0.1 * (high - low))
+        return low - margin, high + margin
 
 
 def match_patches(

@@ -30,6 +30,7 @@ from rigsim.present.kit.plan import (
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
+from rigsim.statistics import inner_range
 
 _MAIN_LEFT, _MAIN_BOTTOM, _MAIN_WIDTH = 0.62, 1.12, 4.75
 _FEW = 12
@@ -215,7 +216,7 @@ def _draw_points(
 def _color_limits(error_mm: Array) -> tuple[float, float]:
     """Limits of the colour scale: all but the outermost hundredth, at least a factor of two apart."""
     positive = error_mm[error_mm > _NO_ERROR_M * 1e3]
-    low, high = (float(value) for value in np.percentile(positive, (1, 99)))
+    low, high = inner_range(positive)
     if high < 2 * low:
         middle = (low * high) ** 0.5
         low, high = middle / 2**0.5, middle * 2**0.5

@@ -19,6 +19,7 @@ from rigsim.pixels.patches.patches import match_patches
 from rigsim.rig.arrays import Array, Ids, Mask
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
+from rigsim.statistics import abs_p95, nmad, rms
 from rigsim.study.agreement.claims import claim_scale, scale_columns
 from rigsim.study.scene.columns import MEASURED_COLUMNS, Row
 from rigsim.study.scene.pictures import Pictures
@@ -163,7 +164,7 @@ def _dense(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures: P
     joined = _joined("dense", rig, uv_left, uv_right, np.zeros((len(u), 4, 4)), 1, points_left, visible)
     # the matcher claims nothing for itself: take what its inliers scatter by, in a way that ignores tails
     error = joined.disparity_error_px[~joined.outlier]
-    std_px = 1.4826 * float(np.median(np.abs(error - np.median(error)))) if len(error) else math.nan
+    std_px = nmad(error)
     covariance = _along_epipolar_lines(assumed, points_left, np.full(len(u), std_px))
     return _joined("dense", rig, uv_left, uv_right, covariance, 1, points_left, visible)
 
@@ -226,7 +227,7 @@ def measured_row(measured: Measured, rig: StereoRig, method: Triangulator, insid
         if measured.degrees == 4
         else float((disparity_error_px**2).mean()) / 2
     )
-    rmse_m, predicted_m = math.sqrt(float((error_m**2).mean())), math.sqrt(float(claimed_m2.mean()))
+    rmse_m, predicted_m = rms(error_m), math.sqrt(float(claimed_m2.mean()))
     return (
         row
         | {
@@ -234,7 +235,7 @@ def measured_row(measured: Measured, rig: StereoRig, method: Triangulator, insid
             "measured_disparity_std_px": float(disparity_error_px.std()),
             "measured_depth_bias_mm": float(error_m.mean()) * 1e3,
             "measured_depth_rmse_mm": rmse_m * 1e3,
-            "measured_depth_abs_p95_mm": float(np.quantile(np.abs(error_m), 0.95)) * 1e3,
+            "measured_depth_abs_p95_mm": abs_p95(error_m) * 1e3,
             "predicted_from_measured_rmse_mm": predicted_m * 1e3,
             "measured_over_predicted": rmse_m / predicted_m if predicted_m > 0 else math.nan,
             "measured_within_3_sigma": float((distance2 <= _THREE_SIGMA[measured.degrees]).mean()),

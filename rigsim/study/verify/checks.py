@@ -15,6 +15,7 @@ from scipy import stats
 
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.stereo import StereoRig
+from rigsim.statistics import rms
 from rigsim.study.verify.bound import bound, depth_reach
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.result import Check
@@ -71,7 +72,7 @@ def judge(case: Case, found_left: Array, false_alarm: float) -> Judgement:
         return Judgement(tuple(checks), math.nan, math.nan, math.nan)
     checks.append(_answered(case, truth, answered, false_alarm))
     truth, found, error_px, gain = truth[answered], found[answered], error_px[answered], gain[answered]
-    depth_rms_m = _rms(found[:, 2] - truth[:, 2])
+    depth_rms_m = rms(found[:, 2] - truth[:, 2])
     if case.covariance_px2 is None:
         if len(truth):
             checks.append(_exact(case, truth, found, gain))
@@ -226,9 +227,9 @@ def _measured(
     """Errors against what these very pixel errors must become: nothing here is random."""
     due_m = np.einsum("nij,nj->ni", gain, seen_px)
     due_px = np.einsum("nij,nj->ni", case.rig.jacobian(truth), due_m)
-    size = _rms(error_px) / _rms(due_px)
+    size = rms(error_px) / rms(due_px)
     inverse_depth = (1 / found[:, 2] - 1 / truth[:, 2]) * truth[:, 2] ** 2
-    depth = _rms(inverse_depth) / _rms(due_m[:, 2])
+    depth = rms(inverse_depth) / rms(due_m[:, 2])
     worst = WORST_EFFICIENCY
     why = (
         "over what the errors of these very pixels become in a least-squares triangulation; "
@@ -249,7 +250,3 @@ def _whitened(case: Case, truth: Array, error_px: Array) -> Array:
     values, vectors = np.linalg.eigh(J.transpose(0, 2, 1) @ J)
     along = np.einsum("nji,nj->ni", vectors, np.einsum("nji,nj->ni", J, error_px)) / np.sqrt(values)
     return np.asarray(np.einsum("nij,nj->ni", vectors, along))
-
-
-def _rms(values: Array) -> float:
-    return math.sqrt(float((values**2).mean())) if values.size else math.nan
