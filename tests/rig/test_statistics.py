@@ -1,4 +1,4 @@
-"""Sizes of errors, by hand: every definition once, so that no two tables mean different things by one word."""
+"""Sizes of errors, by hand: one definition each, so that no two tables mean different things by one word."""
 
 from __future__ import annotations
 
