@@ -124,7 +124,6 @@ def match_patches(
             f"none of {int(kept.sum())} matches could be refined: the images differ by more than shifts along"
             " the rows; check that the pair is rectified as the rig says"
         )
-    epipolar = epipolar_offsets(pair.left, right_spline, uv[kept], fits, radius=window // 2)
     uv_left, uv_right = _in_the_images_given(fits, pair.rectification, rig)
     rows = _Rows(len(uv), np.flatnonzero(kept)[found.trusted], found.trusted)
     return PatchMatches(
@@ -133,7 +132,9 @@ def match_patches(
         disparity_std_px=rows.spread(found.std),
         noise_disparity_std_px=rows.spread(found.noise_std),
         score=rows.spread(coarse.score[kept]),
-        epipolar_px=rows.spread(epipolar),
+        epipolar_px=rows.spread(
+            epipolar_offsets(pair.left, right_spline, uv[kept], fits, radius=window // 2)
+        ),
         noise_std_grey=float(np.sqrt(noise_var)),
     )
 
