@@ -101,12 +101,13 @@ def match_patches(
         MeasurementFailed: nothing to match, or nothing matched.
     """
     _check(n_points, window, disparity_range)
+    radius = window // 2
     pair = _rectified(image_left, image_right, rig, window)
     low, high = _search_range(pair.rectification.rig, disparity_range)
     gradient = RowSpline.through(pair.left).derivative()
     noise_var, gradient_noise_var = _guessed_noise(pair, gradient)
     uv = _interest(pair, gradient, gradient_noise_var, n_points, window)
-    coarse, kept = _coarse(pair, uv, low, high, window // 2)
+    coarse, kept = _coarse(pair, uv, low, high, radius)
     right_spline = RowSpline.through(pair.right)
     fits = fit_patches(
         pair.left,
@@ -114,7 +115,7 @@ def match_patches(
         right_spline,
         uv[kept],
         coarse.disparity[kept],
-        radius=window // 2,
+        radius=radius,
         noise_var=gradient_noise_var / derivative_noise_gain(),
     )
     noise_var = max(_noise_var(fits, noise_var), pair.rounding_var)
@@ -124,17 +125,14 @@ def match_patches(
             f"none of {int(kept.sum())} matches could be refined: the images differ by more than shifts along"
             " the rows; check that the pair is rectified as the rig says"
         )
-    uv_left, uv_right = _in_the_images_given(fits, pair.rectification, rig)
     rows = _Rows(len(uv), np.flatnonzero(kept)[found.trusted], found.trusted)
     return PatchMatches(
-        observations=Observations(rows.spread(uv_left), rows.spread(uv_right), rows.valid),
+        observations=rows.observations(*_in_the_images_given(fits, pair.rectification, rig)),
         disparity=rows.spread(fits.disparity),
         disparity_std_px=rows.spread(found.std),
         noise_disparity_std_px=rows.spread(found.noise_std),
         score=rows.spread(coarse.score[kept]),
-        epipolar_px=rows.spread(
-            epipolar_offsets(pair.left, right_spline, uv[kept], fits, radius=window // 2)
-        ),
+        epipolar_px=rows.spread(epipolar_offsets(pair.left, right_spline, uv[kept], fits, radius=radius)),
         noise_std_grey=float(np.sqrt(noise_var)),
     )
 
@@ -182,11 +180,11 @@ class _Rows:
     where: Indices
     trusted: Mask
 
-    @property
-    def valid(self) -> Mask:
+    def observations(self, uv_left: Array, uv_right: Array) -> Observations:
+        """The trusted ones among these positions of the fits."""
         valid = np.zeros(self.n, dtype=bool)
         valid[self.where] = True
-        return valid
+        return Observations(self.spread(uv_left), self.spread(uv_right), valid)
 
     def spread(self, values: Array) -> Array:
         """One row a point, NaN where it is not trusted."""
