@@ -9,9 +9,10 @@ import cv2
 import numpy as np
 
 from rigsim.errors import MeasurementFailed
-from rigsim.pixels.patches.patches import match_patches, predicted_std
+from rigsim.pixels.patches.patches import match_patches
 from rigsim.pixels.patches.refine import fit_patches
 from rigsim.pixels.patches.spline import RowSpline
+from rigsim.pixels.patches.trust import predicted_std
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.presets import preset

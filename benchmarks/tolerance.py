@@ -16,7 +16,7 @@ from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.perturbation import NAMES, Perturbation
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance.compensator import Compensator
-from rigsim.study.tolerance.run import Recalibration, draw, make_compensator, run_tolerance
+from rigsim.study.tolerance.run import Build, Recalibration, draw, make_compensator, run_tolerance
 from rigsim.study.tolerance.sensitivities import CLASSES, Requirement, causes
 from rigsim.theory.triangulation import triangulate
 
@@ -45,7 +45,7 @@ def run() -> None:
 
     print("first order / simulated rms at 1, 3, 5 m, calibrated                      (limit 1 +- 0.02)")
     for kind, rig in RIGS.items():
-        result = run_tolerance(rig, CLASSES["calibrated"].tolerances(rig), REQUIRED, RANGE_M)
+        result = run_tolerance(Build(rig, CLASSES["calibrated"].tolerances(rig)), REQUIRED, RANGE_M)
         print(f"  {kind:34}" + " ".join(f"{d.first_order_mm / d.rms_mm:9.4f}" for d in result.depths))
 
     print("sum of squares after recalibration, largest relative difference to scipy  (limit 1e-6)")
@@ -55,7 +55,8 @@ def run() -> None:
 
 def timed(rig: StereoRig, recalibration: Recalibration | None) -> float:
     begin = time.perf_counter()
-    run_tolerance(rig, CLASSES["calibrated"].tolerances(rig), REQUIRED, RANGE_M, recalibration=recalibration)
+    tolerances = CLASSES["calibrated"].tolerances(rig)
+    run_tolerance(Build(rig, tolerances, recalibration=recalibration), REQUIRED, RANGE_M)
     return time.perf_counter() - begin
 
 

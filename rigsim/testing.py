@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -28,30 +28,31 @@ if TYPE_CHECKING:
 __all__ = ["RenderedStereo", "assert_triangulates", "render_stereo", "stereo_cases"]
 
 
+class Choice(TypedDict, total=False):
+    """Which cases a function is held to; see `stereo_cases`."""
+
+    suite: str
+    only: Sequence[str]
+    rig: StereoRig | None
+    scenes: Sequence[str]
+    seed: int
+
+
 def assert_triangulates(
     function: str | Callable[..., Any],
     cases: Sequence[Case] | Case | None = None,
     *,
-    suite: str = "quick",
-    only: Sequence[str] = (),
-    rig: StereoRig | None = None,
-    scenes: Sequence[str] = (),
-    seed: int = 0,
     strict: bool = False,
+    **choice: Unpack[Choice],
 ) -> None:
     """Fail with a table of what is wrong unless `function` triangulates every case.
 
     Args:
         function: ``(rig, uv_left (N, 2) px, uv_right (N, 2) px) -> points_left (N, 3) m``, or the name of
             a known one, as ``optimal``.
-        cases: cases to hold it to; None for those that the other arguments choose.
-        suite: quick or full.
-        only: names of cases or groups, with ``*``: ``["rectified", "doffs"]`` for a function that is made
-            for rectified rigs alone.
-        rig: a rig to try beside the built-in ones.
-        scenes: names of bundled scenes or MJCF files to take cases from; these are rendered.
-        seed: seed of the points and the noise.
+        cases: cases to hold it to; None for those that `choice` chooses.
         strict: whether errors larger than least squares leaves are failures too.
+        choice: `suite`, `only`, `rig`, `scenes` and `seed`, as `stereo_cases` takes them.
 
     Raises:
         AssertionError: a case failed.
@@ -64,9 +65,8 @@ def assert_triangulates(
     from rigsim.study.verify.runner import verify
 
     if cases is None:
-        chosen = stereo_cases(suite=suite, only=only, rig=rig, scenes=scenes, seed=seed)
-    else:
-        chosen = [cases] if isinstance(cases, Case) else list(cases)
+        cases = stereo_cases(**choice)
+    chosen = [cases] if isinstance(cases, Case) else list(cases)
     if not chosen:
         raise ValueError("no cases: give at least one")
     label = function if isinstance(function, str) else getattr(function, "__qualname__", repr(function))
@@ -83,7 +83,15 @@ def stereo_cases(
     scenes: Sequence[str] = (),
     seed: int = 0,
 ) -> list[Case]:
-    """The cases of a suite; the arguments are those of `assert_triangulates`.
+    """The cases of a suite.
+
+    Args:
+        suite: quick or full.
+        only: names of cases or groups, with ``*``: ``["rectified", "doffs"]`` for a function that is made
+            for rectified rigs alone.
+        rig: a rig to try beside the built-in ones.
+        scenes: names of bundled scenes or MJCF files to take cases from; these are rendered.
+        seed: seed of the points and the noise.
 
     Raises:
         RigsimError: unknown suite or scene, or a name that no case has.

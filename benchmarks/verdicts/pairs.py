@@ -13,7 +13,7 @@ from rigsim.rig.presets import preset
 from rigsim.rig.sensor import Sensor
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.exposure import digitise
-from rigsim.study.measure.run import measure_pair
+from rigsim.study.measure.run import Wanted, measure_pair
 
 SCENES = ("boards", "branch", "artifact", "corridor", "bin")
 SEEDS = 20
@@ -60,7 +60,7 @@ def _kind(rig: StereoRig, light: tuple[Array, Array], shift_px: float, seed: int
     right = digitise(_lower(light[1], shift_px), sensor, rng)
     says = ""
     try:
-        rows = measure_pair(left, right, rig, matcher=None).verdicts[0]
+        rows = measure_pair(left, right, rig, Wanted(matcher=None)).verdicts[0]
         kind, says = rows.kind, rows.says
     except MeasurementFailed as error:
         kind, says = "flagged" if "right picture is" in str(error) else "refused", str(error)

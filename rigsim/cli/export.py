@@ -104,24 +104,16 @@ def dataset(
     from dataclasses import asdict
 
     from rigsim.sim.simulator import Simulator
-    from rigsim.study.scene.frames import render_frames
+    from rigsim.study.scene.frames import Views, render_frames
     from rigsim.study.scene.provenance import simulator_provenance
 
     with quiet(as_json), Simulator(scene, mount, renderer) as simulator:
         simulator.place(one)
-        made = render_frames(
-            simulator,
-            one,
-            frames,
-            sensor=camera,
-            seed=seed,
-            move_m=move_m,
-            turn_deg=turn,
-            nearest_m=nearest_m(format, one),
-        )
-        views = {"seed": seed, "move_mm": None if move_m is None else move_m * 1e3, "turn_deg": turn}
+        views = Views(count=frames, seed=seed, move_m=move_m, turn_deg=turn, nearest_m=nearest_m(format, one))
+        made = render_frames(simulator, one, views, camera)
+        asked = {"seed": seed, "move_mm": None if move_m is None else move_m * 1e3, "turn_deg": turn}
         provenance = simulator_provenance(simulator)
-        manifest = {**views, "sensor": asdict(camera), **provenance, "command": _command()}
+        manifest = {**asked, "sensor": asdict(camera), **provenance, "command": _command()}
         names = write_dataset(out, format, one, made, count=frames, manifest=manifest, force=force)
     print_remarks(simulator.remarks)
     if as_json:
@@ -129,7 +121,7 @@ def dataset(
         from rigsim.interop.documents.export import export_dataset_document
 
         remarks = [asdict(remark) for remark in simulator.remarks]
-        said = {"frames": frames, **views, "remarks": remarks, "provenance": provenance}
+        said = {"frames": frames, **asked, "remarks": remarks, "provenance": provenance}
         written = Written(folder=str(out), files=names)
         print_document(export_dataset_document(_command(), format, one, said, written))
         return

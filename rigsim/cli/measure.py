@@ -92,7 +92,7 @@ def measure(
     rig = single_rig(options, None)
     true = None if truth is None else read_truth(truth, truth_scale)
 
-    from rigsim.study.measure.run import measure_pair, versions
+    from rigsim.study.measure.run import Wanted, measure_pair, versions
 
     paths = {"left": left, "right": right} | ({} if truth is None else {"truth": truth})
     with quiet(as_json):
@@ -100,13 +100,15 @@ def measure(
             image_left,
             image_right,
             rig,
-            matcher=matcher if dense else None,
-            board=rows_cols,
-            square_m=side_m,
+            Wanted(
+                matcher=matcher if dense else None,
+                board=rows_cols,
+                square_m=side_m,
+                target=pixels,
+                disparity_range=searched or options.disparity_range(),
+                timeout_s=timeout,
+            ),
             truth=true,
-            target=pixels,
-            disparity_range=searched or options.disparity_range(),
-            timeout_s=timeout,
             provenance={"command": shlex.join(["rigsim", *sys.argv[1:]]), **sources(paths), **versions()},
         )
 

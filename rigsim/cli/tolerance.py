@@ -138,7 +138,7 @@ def tolerance(
         folder.check_output(out, force)
     rig = options.single(DEFAULT_PRESET)
 
-    from rigsim.study.tolerance.run import Recalibration, run_tolerance
+    from rigsim.study.tolerance.run import Build, Recalibration, run_tolerance
     from rigsim.study.tolerance.sensitivities import CLASSES, Tolerances, with_values
 
     if class_name not in (*CLASSES, "none"):
@@ -160,12 +160,9 @@ def tolerance(
         quantity.value(length_std, _LENGTH),
     )
     result = run_tolerance(
-        rig,
-        given,
+        Build(rig, given, compensator.noise_px, compensator if recalibrate else None),
         required,
         (near_m, far_m),
-        noise_px=compensator.noise_px,
-        recalibration=compensator if recalibrate else None,
         n_rigs=rigs,
         n_points=points,
         seed=seed,

@@ -231,7 +231,7 @@ def found_matches(depth_m: NDArray[np.float64], error_px: NDArray[np.float64]) -
     none = np.zeros((n, 2))
     points = np.column_stack([np.zeros((n, 2)), depth_m])
     errors = np.column_stack([error_px, np.zeros((n, 3))])
-    return Measured("patches", none, none, np.zeros((n, 4, 4)), 1, points, errors, np.abs(error_px) > 3)
+    return Measured("patches", none, none, np.zeros((n, 4, 4)), points, errors, np.abs(error_px) > 3)
 
 
 def test_a_measured_noise_is_robust_over_the_range_and_counts_tails_where_it_matters() -> None:

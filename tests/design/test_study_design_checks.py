@@ -47,7 +47,7 @@ def matches(points: NDArray[np.float64], disparity_error_px: NDArray[np.float64]
     errors = np.hstack([np.zeros((len(points), 2)), -shift])
     covariance = np.zeros((len(points), 4, 4))
     astray = np.zeros(len(points), dtype=bool)
-    return Measured("patches", uv_left, uv_right - shift, covariance, 1, points, errors, astray)
+    return Measured("patches", uv_left, uv_right - shift, covariance, points, errors, astray)
 
 
 def test_a_standard_deviation_scales_by_the_square_of_the_distance() -> None:

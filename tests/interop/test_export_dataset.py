@@ -27,7 +27,7 @@ from rigsim.rig.pose import Pose
 from rigsim.rig.sensor import Sensor
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
-from rigsim.study.scene.frames import DatasetFrame, render_frames
+from rigsim.study.scene.frames import DatasetFrame, Views, render_frames
 from rigsim.study.scene.pictures import Pictures
 from tests.helpers import scenes
 from tests.helpers.documents import valid
@@ -270,10 +270,11 @@ def test_a_rig_moved_off_its_mount_takes_the_truth_along(tmp_path: Path) -> None
 def test_views_that_see_too_little_are_drawn_again(tmp_path: Path) -> None:
     rig = StereoRig.rectified(Intrinsics(64, 48, 60.0, 60.0, 31.5, 23.5), 0.1)
     with Simulator(scenes.write(tmp_path, scenes.SLANTED), renderer="rays") as simulator:
-        frames = list(render_frames(simulator, rig, 6, sensor=Sensor(), seed=1, turn_deg=45))
+        frames = list(render_frames(simulator, rig, Views(count=6, seed=1, turn_deg=45), Sensor()))
         near = min(float(np.nanmin(frame.depth_left)) for frame in frames)
         floor = near * 1.01
-        farther = render_frames(simulator, rig, 6, sensor=Sensor(), seed=1, turn_deg=45, nearest_m=floor)
+        views = Views(count=6, seed=1, turn_deg=45, nearest_m=floor)
+        farther = render_frames(simulator, rig, views, Sensor())
         assert min(float(np.nanmin(frame.depth_left)) for frame in list(farther)[1:]) >= floor
         share = [np.isfinite(frame.depth_left).mean() for frame in frames]
         assert min(share) > 0.4 * share[0]
@@ -282,15 +283,15 @@ def test_views_that_see_too_little_are_drawn_again(tmp_path: Path) -> None:
             ({"move_m": -1.0}, "move -1 m: must be >= 0"),
             ({"seed": -1}, "seed -1: must be >= 0"),
             ({"count": 0}, "frames 0: must be >= 1"),
-            ({"sensor": Sensor(bits=0)}, "sensor bits 0"),
         ):
-            options = {"count": 1, "sensor": Sensor(), "seed": 1, **words}
             with pytest.raises(InvalidRange, match=message):
-                next(render_frames(simulator, rig, options.pop("count"), **options))
+                Views(**{"count": 1, "seed": 1, **words})
+        with pytest.raises(InvalidRange, match="sensor bits 0"):
+            next(render_frames(simulator, rig, Views(count=1, seed=1), Sensor(bits=0)))
         with pytest.raises(
             NothingSeen, match=r"of 50 views within 1e\+07 mm .* nothing nearer .* a smaller --move"
         ):
-            list(render_frames(simulator, rig, 2, sensor=Sensor(), seed=1, move_m=1e4))
+            list(render_frames(simulator, rig, Views(count=2, seed=1, move_m=1e4), Sensor()))
 
 
 def test_a_sensor_of_12_bits_with_a_lens_fills_16(tmp_path: Path) -> None:
@@ -299,7 +300,7 @@ def test_a_sensor_of_12_bits_with_a_lens_fills_16(tmp_path: Path) -> None:
     bent = Sensor(bits=12, distortion=BrownConrady(k1=-0.1), full_well_e=8000.0, read_noise_e=3.0)
     with Simulator("boards", renderer="rays") as simulator:
         pictures = {
-            name: next(render_frames(simulator, rig, 1, sensor=sensor, seed=1)).pictures.left
+            name: next(render_frames(simulator, rig, Views(count=1, seed=1), sensor)).pictures.left
             for name, sensor in (("bent", bent), ("plain", Sensor()))
         }
     assert pictures["bent"].dtype == np.uint16

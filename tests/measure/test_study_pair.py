@@ -14,7 +14,7 @@ from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.measure.result import PairMeasurement
 from rigsim.study.measure.rows import is_misaligned, row_verdict
-from rigsim.study.measure.run import measure_pair
+from rigsim.study.measure.run import Wanted, measure_pair
 from rigsim.study.measure.truth import truth_at
 from tests.helpers.checker_images import board_homography, board_image
 from tests.helpers.textured_images import Pair, Waves, affine_pair, noisy, plane_pair
@@ -29,10 +29,9 @@ def flat(seed: int = 1, **options: float) -> Pair:
 
 
 def measured(pair: Pair, right: Array | None = None, **options) -> PairMeasurement:
-    options.setdefault("matcher", None)
-    return measure_pair(
-        noisy(pair.left, 1.0, 0), noisy(pair.right if right is None else right, 1.0, 1), pair.rig, **options
-    )
+    truth = options.pop("truth", None)
+    left, right = noisy(pair.left, 1.0, 0), noisy(pair.right if right is None else right, 1.0, 1)
+    return measure_pair(left, right, pair.rig, Wanted(**{"matcher": None, **options}), truth=truth)
 
 
 def truth_of(pair: Pair) -> Array:
@@ -84,7 +83,11 @@ def test_the_depth_error_is_that_of_the_disparity():
 def test_what_is_predicted_is_what_the_truth_finds(std: float):
     pair = flat(a=0.02, b=-0.05)
     result = measure_pair(
-        noisy(pair.left, std, 0), noisy(pair.right, std, 1), pair.rig, matcher=None, truth=truth_of(pair)
+        noisy(pair.left, std, 0),
+        noisy(pair.right, std, 1),
+        pair.rig,
+        Wanted(matcher=None),
+        truth=truth_of(pair),
     )
     errors = result.patches.errors
     assert errors.within_3_std_pct > 97
@@ -303,7 +306,7 @@ def board_pair(disparity: float = 20.0) -> tuple[Array, Array, StereoRig]:
 def test_a_board_says_how_large_its_squares_are():
     left, right, rig = board_pair()
     truth = np.full(left.shape, 20.0)
-    result = measure_pair(left, right, rig, board=(3, 4), matcher=None, truth=truth)
+    result = measure_pair(left, right, rig, Wanted(board=(3, 4), matcher=None), truth=truth)
     (fit,) = result.boards
     assert fit.n == 12
     assert fit.distance_m == pytest.approx(2.0, abs=2e-3)
@@ -326,14 +329,14 @@ def test_corners_alone_will_do_and_their_rows_are_checked(
 
     monkeypatch.setattr("rigsim.study.measure.run.match_patches", nothing)
     left, right, rig = board_pair()
-    result = measure_pair(left, np.roll(right, rows, axis=0), rig, board=(4, 3), matcher=None)
+    result = measure_pair(left, np.roll(right, rows, axis=0), rig, Wanted(board=(4, 3), matcher=None))
     assert result.patches is None
     assert result.best_matches is result.corners
     assert result.corners.epipolar_median_px == pytest.approx(rows, abs=0.05)
     assert "no texture" in said(result, "no_patches")
     assert f"px too {side}" in said(result, "not_rectified")
     with pytest.raises(MeasurementFailed, match="no texture"):
-        measure_pair(left, right, rig, matcher=None)
+        measure_pair(left, right, rig, Wanted(matcher=None))
 
 
 # --- what cannot be measured --------------------------------------------------------------------
@@ -366,7 +369,7 @@ def test_a_target_needs_rows_that_correspond():
     rig = StereoRig.verged(Intrinsics.from_focal(200, 150, 400.0), 0.1, 2.0)
     pair = flat()
     with pytest.raises(InvalidRange, match="rectified rig"):
-        measure_pair(pair.left, pair.right, rig, target=(0, 0, 10, 10))
+        measure_pair(pair.left, pair.right, rig, Wanted(target=(0, 0, 10, 10)))
 
 
 # --- conclusions ----------------------------------------------------------------------------------
@@ -425,7 +428,7 @@ def test_what_rows_cannot_tell_is_said_to_be_open():
 )
 def test_squares_of_a_known_side_tell_the_scale(side_mm: float, kind: str, word: str):
     left, right, rig = board_pair()
-    result = measure_pair(left, right, rig, board=(3, 4), square_m=side_mm / 1e3, matcher=None)
+    result = measure_pair(left, right, rig, Wanted(board=(3, 4), square_m=side_mm / 1e3, matcher=None))
     along = result.verdicts[1]
     assert along.kind == kind
     assert word in along.says

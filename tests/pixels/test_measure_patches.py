@@ -14,7 +14,7 @@ from rigsim.errors import InvalidImage, InvalidRange, MeasurementFailed, RigsimE
 from rigsim.pixels.dense.rectify import rectify
 from rigsim.pixels.patches.interest import estimate_noise, interest_points
 from rigsim.pixels.patches.neighbours import borne_out
-from rigsim.pixels.patches.patches import PatchMatches, match_patches, predicted_std
+from rigsim.pixels.patches.patches import PatchMatches, match_patches
 from rigsim.pixels.patches.refine import Fits, fit_patches
 from rigsim.pixels.patches.spline import (
     REACH,
@@ -25,6 +25,7 @@ from rigsim.pixels.patches.spline import (
     phase_of,
     tap_weights,
 )
+from rigsim.pixels.patches.trust import predicted_std
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.distortion import BrownConrady

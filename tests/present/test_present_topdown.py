@@ -62,7 +62,7 @@ def test_points_without_an_error_are_crosses() -> None:
 def test_lines_of_equal_error_lie_where_the_depth_law_says() -> None:
     rig = StereoRig.rectified(LENS, 0.2)
     points, visible = make_points(rig, 100)
-    axes = topdown_figure(rig, points, visible=visible, noise=NOISE, predict=depth_std).axes[0]
+    axes = topdown_figure(rig, points, visible=visible, noise=NOISE).axes[0]
     lines = {text.get_text(): text for text in axes.texts}
     depth = np.sqrt(0.010 * 900 * 0.2 / (0.25 * np.sqrt(2)))  # sigma_Z = Z^2 sigma_d / (f B) = 10 mm
     assert lines["10 mm"].xy[1] == pytest.approx(depth, rel=1e-3)

@@ -10,7 +10,7 @@ from scipy.special import ndtri
 
 from rigsim.rig.arrays import Array
 from rigsim.rig.presets import PRESETS
-from rigsim.study.tolerance.run import Recalibration, ToleranceResult, run_tolerance
+from rigsim.study.tolerance.run import Build, Recalibration, ToleranceResult, run_tolerance
 from rigsim.study.tolerance.sensitivities import (
     CLASSES,
     Requirement,
@@ -110,11 +110,9 @@ def test_a_real_rigs_interaction_against_its_closed_form() -> None:
 
 def run(tolerances: Tolerances, depth_m: float) -> ToleranceResult:
     return run_tolerance(
-        RIG,
-        tolerances,
+        Build(RIG, tolerances, recalibration=Recalibration()),
         Requirement(0.04, depth_m),
         (0.9, 5.0),
-        recalibration=Recalibration(),
         n_rigs=50,
         n_points=120,
     )

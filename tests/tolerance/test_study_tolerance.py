@@ -21,7 +21,14 @@ from rigsim.study.tolerance.batch import PARAMETERS, RigBatch, read_rays, read_r
 from rigsim.study.tolerance.classes import iso_2768_m_mm
 from rigsim.study.tolerance.compensator import Compensator
 from rigsim.study.tolerance.places import places
-from rigsim.study.tolerance.run import Recalibration, ToleranceResult, draw, make_compensator, run_tolerance
+from rigsim.study.tolerance.run import (
+    Build,
+    Recalibration,
+    ToleranceResult,
+    draw,
+    make_compensator,
+    run_tolerance,
+)
 from rigsim.study.tolerance.sensitivities import (
     CLASSES,
     QUANTITIES,
@@ -45,7 +52,8 @@ RANGE = (1.0, 5.0)
 
 def small_run(tolerances: Tolerances, required: Requirement, **more: object) -> ToleranceResult:
     words: dict[str, object] = {"n_rigs": 1000, "n_points": 120, **more}
-    return run_tolerance(RIG, tolerances, required, RANGE, **words)
+    used = {key: words.pop(key) for key in ("noise_px", "recalibration") if key in words}
+    return run_tolerance(Build(RIG, tolerances, **used), required, RANGE, **words)
 
 
 def true_rig(rig: StereoRig, theta: Array) -> StereoRig:
@@ -482,7 +490,7 @@ def test_slips_are_named() -> None:
     with pytest.raises(InvalidRange, match="depth 10 mm: no point there is in both images"):
         shared_points(RIG, 0.01, 10)
     with pytest.raises(InvalidRange, match="range 5000:1000 mm: must be 0 < near < far"):
-        run_tolerance(RIG, Tolerances(yaw_deg=1), Requirement(0.1, 3.0), (5.0, 1.0))
+        run_tolerance(Build(RIG, Tolerances(yaw_deg=1)), Requirement(0.1, 3.0), (5.0, 1.0))
     with pytest.raises(InvalidRange, match="rigs 1: must be >= 2"):
         small_run(Tolerances(yaw_deg=1), Requirement(0.1, 3.0), n_rigs=1)
 

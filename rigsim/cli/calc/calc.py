@@ -257,5 +257,5 @@ def _draw(path: Path, rig: StereoRig, point_left: Array, noise: PixelNoise) -> N
     from rigsim.present.kit.style import to_png
     from rigsim.present.kit.topdown import topdown_figure
 
-    figure = topdown_figure(rig, point_left, noise=noise, rays=True, error_name="predicted depth std")
+    figure = topdown_figure(rig, point_left, noise=noise, rays=True)
     write_file(path, to_png(figure))

@@ -25,6 +25,7 @@ from rigsim.pixels.corners.lattice import fill, find_grids
 from rigsim.pixels.images import grey, quantization_var
 from rigsim.pixels.opencv import load_cv2
 from rigsim.rig.arrays import AnyImage, Array, Mask
+from rigsim.statistics import inner_range
 
 _MIN_SHARE = 0.5  # of a board's corners must be fitted, or it is taken for a false alarm
 _LEAST_CONTRAST = 1e-6  # grey; keeps the logarithm finite where a fit found nothing
@@ -134,7 +135,7 @@ def not_found(name: str, sizes: Sequence[tuple[int, int]]) -> str:
 def _second_look(levels: Array, floor: float, rows: int, cols: int, limit: int) -> list[BoardCorners]:
     """What OpenCV finds: it copes with blur and noise that leave no single corner recognisable."""
     cv2 = load_cv2()
-    low, high = np.percentile(levels, (1, 99))
+    low, high = inner_range(levels)
     canvas = np.clip((levels - low) * (255 / max(high - low, 1e-12)), 0, 255).astype(np.uint8)
     quick = cv2.CALIB_CB_NORMALIZE_IMAGE
     boards: list[BoardCorners] = []

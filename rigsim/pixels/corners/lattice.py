@@ -16,6 +16,7 @@ from scipy.spatial import KDTree
 
 from rigsim.pixels.corners import saddle
 from rigsim.rig.arrays import Array
+from rigsim.statistics import inner_range
 
 _SMOOTHING = 1.4  # px
 _HALF_WINDOW = 4
@@ -105,7 +106,7 @@ def fill(grid: Array) -> Array:
 def _candidates(levels: Array) -> _Candidates:
     derivative = [gaussian_filter(levels, _SMOOTHING, order=order) for order in ((0, 2), (2, 0), (1, 1))]
     strength = derivative[2] ** 2 - derivative[0] * derivative[1]
-    low, high = np.percentile(levels, (1, 99))
+    low, high = inner_range(levels)
     # an upright corner of half step b has a mixed derivative of (2 / pi) b / variance there
     faintest = (2 / np.pi * _FAINTEST * (high - low) / (_SMOOTHING**2 + 0.5)) ** 2
     peak = (strength == maximum_filter(strength, 5)) & (strength > faintest)

@@ -16,6 +16,7 @@ from rigsim.rig.arrays import AnyImage, Array, Ids
 from rigsim.rig.observations import Observations
 from rigsim.rig.pose import skew
 from rigsim.rig.stereo import StereoRig
+from rigsim.statistics import rms
 
 _HOPELESS = 1e9
 
@@ -161,7 +162,7 @@ def _stack(pairs: list[tuple[BoardCorners, BoardCorners]], geometry: _Epipolar) 
         np.repeat(np.arange(len(pairs)), count).astype(np.int32),
         np.concatenate([np.arange(n) for n in count]).astype(np.int32),
         np.array([(a.rows, a.cols) for a, _ in pairs], dtype=np.int32),
-        float(np.sqrt(np.mean(distance**2))),
+        rms(distance),
     )
 
 
@@ -210,7 +211,7 @@ class _Epipolar:
         if np.count_nonzero(both) < 4:
             return np.inf, False, np.inf
         uv_left, uv_right = left.uv[both], right.uv[both]
-        distance = float(np.sqrt(np.mean(self.distance_px(uv_left, uv_right) ** 2)))
+        distance = rms(self.distance_px(uv_left, uv_right))
         shift = float(np.mean(np.linalg.norm(uv_left - uv_right, axis=1)))
         return distance, self._in_front(uv_left, uv_right), shift
 

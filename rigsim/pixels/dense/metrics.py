@@ -13,8 +13,8 @@ import numpy as np
 
 from rigsim.errors import InvalidImage
 from rigsim.rig.arrays import Array, Mask
+from rigsim.statistics import nmad, rms
 
-_NMAD = 1.4826  # of a normal distribution, median absolute deviation to standard deviation
 _LOCKING_LIMIT_PX = 1.0
 
 
@@ -82,10 +82,10 @@ def disparity_errors(disparity: Array, truth: Array, region: Mask | None = None)
         bad_4_pct=share(size > 4.0),
         d1_pct=share((size > 3.0) & (size > 0.05 * np.abs(true))),
         epe_px=float("nan") if empty else float(size.mean()),
-        rms_px=float("nan") if empty else float(np.sqrt(np.mean(size**2))),
+        rms_px=rms(size),
         mean_px=float("nan") if empty else float(error.mean()),
         median_abs_px=float("nan") if empty else float(np.median(size)),
-        nmad_px=float("nan") if empty else _NMAD * float(np.median(np.abs(error - np.median(error)))),
+        nmad_px=nmad(error),
     )
 
 

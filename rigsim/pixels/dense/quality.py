@@ -24,6 +24,7 @@ import numpy as np
 from rigsim.errors import InvalidRange, MeasurementFailed
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.stereo import StereoRig
+from rigsim.statistics import rms
 
 _TRIMMED = 200  # one in 200 at either end: 0.5 %
 
@@ -81,16 +82,16 @@ def depth_quality(
     kept = points[order[cut : len(order) - cut]]
     error = (kept - middle) @ normal
     foot_z = kept[:, 2] - error * normal[2]
-    rms = float(np.sqrt(np.mean(error**2)))
+    off_m = rms(error)
     accuracy = math.nan
     if truth_m is not None:
         accuracy = 100.0 * float(np.median(distance - truth_m + error)) / truth_m
     return DepthQuality(
         fill_rate_pct=100.0 * len(z) / max(int(inside.sum()), 1),
         distance_mm=distance * 1e3,
-        plane_fit_rms_mm=rms * 1e3,
-        plane_fit_rms_pct=100.0 * rms / distance,
-        subpixel_rms_px=float(np.sqrt(np.mean((focal_baseline / kept[:, 2] - focal_baseline / foot_z) ** 2))),
+        plane_fit_rms_mm=off_m * 1e3,
+        plane_fit_rms_pct=100.0 * off_m / distance,
+        subpixel_rms_px=rms(focal_baseline / kept[:, 2] - focal_baseline / foot_z),
         z_accuracy_pct=accuracy,
     )
 

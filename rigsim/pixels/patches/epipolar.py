@@ -6,8 +6,9 @@ from dataclasses import fields
 
 import numpy as np
 
-from rigsim.pixels.patches.refine import CHUNK, Fits, window_offsets
+from rigsim.pixels.patches.refine import CHUNK, Fits
 from rigsim.pixels.patches.spline import Indices, RowSpline
+from rigsim.pixels.patches.windows import window_offsets
 from rigsim.rig.arrays import Array
 
 _REACH_PX = 3

@@ -20,41 +20,24 @@ from dataclasses import dataclass
 import numpy as np
 
 from rigsim.errors import InvalidImage, InvalidRange, MeasurementFailed
-from rigsim.pixels.dense.rectify import rectify
+from rigsim.pixels.dense.rectify import Rectification, rectify
 from rigsim.pixels.images import grey, quantization_var, same_size
 from rigsim.pixels.patches.coarse import Blurred, Correlations, correlate, whole_windows
 from rigsim.pixels.patches.epipolar import epipolar_offsets
 from rigsim.pixels.patches.interest import estimate_noise, interest_points
-from rigsim.pixels.patches.neighbours import borne_out
 from rigsim.pixels.patches.refine import Fits, fit_patches
 from rigsim.pixels.patches.spline import Indices, RowSpline, derivative_noise_gain
+from rigsim.pixels.patches.trust import ENOUGH, trust
 from rigsim.rig.arrays import AnyImage, Array, Mask
 from rigsim.rig.observations import Observations
 from rigsim.rig.stereo import StereoRig
+from rigsim.statistics import inner_range
 
 _LEAST_SCORE = 0.7  # by chance alone the best of a thousand places reaches 0.6
 _UNIQUENESS = 0.1  # half a pixel of phase alone lowers a correlation by nearly as much
 _LEFT_RIGHT_PX = 1.5
-_WORST_STD_PX = 0.5
-_NOISE_EXCESS = 4.0  # a residual this many times the noise's variance ...
-_UNEXPLAINED = 0.05  # ... and this share of the squared gradient is another surface, not noise
-_MOST_NOISE_SHARE = 0.6  # of the gradient's energy: beyond, a match's accuracy is a guess
-_LEAST_ON_PLANE = 0.2  # share of neighbours on a match's own plane; below it, the plane spans two surfaces
-_OFF_PLANE_FACTOR = 1.3  # how much less to trust a match none of whose neighbours is on its plane
-_ONE_WAY = 1.5  # what is bent one way only, as a branch, shows less of its bend to neighbours all around
-_UNKNOWN_FACTOR = 2.0  # and one without neighbours
-_EXCESS_FROM = 1.15  # a residual's variance scatters by a tenth; beyond this it is texture that does not fit,
-_EXCESS_STD = 1.5  # which is no white noise: it adds up to so many times what the noise does
-_JACKKNIFE_NOISE = 2.0  # of nine blocks the variance scatters by half: this much may be chance
-_CURVATURE_NOISE = 4.0
-_MODEL_SHARE = 0.4  # of what leaving out and bending move the answer by; fitted to the bundled scenes' truth
-_INTERPOLATION_PX = 5e-4
-_INTERPOLATION_SHARE = 0.1  # of the spline's error that its correction leaves
-_ALIASED_SHARE = 1.0  # and what aliasing makes of the same fine texture, where half of the fits leave over
-_ALIASED = (1.1, 0.1)  # a tenth more than noise, or more: of noise alone it would be a twentieth
 _TEXTURE_SHARE = 0.25  # where fine texture is everywhere it is taken for noise: not for more than this
 _ROUNDING = 1e-8
-_ENOUGH = 20
 _WINDOWS = (7, 63)
 
 
@@ -87,9 +70,9 @@ class PatchMatches:
     def disparity_range(self) -> tuple[float, float]:
         """Where a dense matcher should search, px: all but the outermost percent of the trusted
         disparities, and a tenth of their span, at least 8 px, beyond."""
-        low, high = np.nanquantile(self.disparity, (0.01, 0.99))
-        margin = max(8.0, 0.1 * float(high - low))
-        return float(low) - margin, float(high) + margin
+        low, high = inner_range(self.disparity)
+        margin = max(8.0, 0.1 * (high - low))
+        return low - margin, high + margin
 
 
 def match_patches(
@@ -119,46 +102,15 @@ def match_patches(
     """
     _check(n_points, window, disparity_range)
     radius = window // 2
-    left, right = grey(image_left, "left image"), grey(image_right, "right image")
-    same_size(left, right)
-    fits_rig(left, rig)
-    rounding_var = (quantization_var(image_left) + quantization_var(image_right)) / 2
-    rectification = rectify(rig)
-    left, right, on_left, on_right = rectification.warp(left, right)
-    low, high = _search_range(rectification.rig, disparity_range)
-    height, width = left.shape
-    if min(height, width) < window + 2:
-        raise MeasurementFailed(
-            f"images of {width} x {height} px hold no {window} x {window} px window and its border: choose a "
-            "smaller window"
-        )
-
-    gradient = RowSpline.through(left).derivative()
-    rough_noise_var = (estimate_noise(left) ** 2 + estimate_noise(right) ** 2) / 2
-    gradient_noise_var = min(
-        derivative_noise_gain() * rough_noise_var, _TEXTURE_SHARE * float(np.mean(gradient**2))
-    )
-    uv = interest_points(
-        gradient,
-        whole_windows(on_left, radius + 1),
-        n_points,
-        radius=radius,
-        noise_var=max(gradient_noise_var, _ROUNDING * float(np.var(left))),
-    )
-    if not len(uv):
-        raise MeasurementFailed(f"left image: no texture along the rows in any {window} x {window} px window")
-
-    coarse, kept = _coarse(
-        Blurred.of(left, on_left, radius), Blurred.of(right, on_right, radius), uv, low, high
-    )
-    if not kept.any():
-        raise MeasurementFailed(
-            f"none of {len(uv)} points of the left image was found in the right one at disparities {low} to "
-            f"{high} px: check that left and right are not swapped and that the rig fits them"
-        )
-    right_spline = RowSpline.through(right)
+    pair = _rectified(image_left, image_right, rig, window)
+    low, high = _search_range(pair.rectification.rig, disparity_range)
+    gradient = RowSpline.through(pair.left).derivative()
+    noise_var, gradient_noise_var = _guessed_noise(pair, gradient)
+    uv = _interest(pair, gradient, gradient_noise_var, n_points, window)
+    coarse, kept = _coarse(pair, uv, low, high, radius)
+    right_spline = RowSpline.through(pair.right)
     fits = fit_patches(
-        left,
+        pair.left,
         gradient,
         right_spline,
         uv[kept],
@@ -166,76 +118,88 @@ def match_patches(
         radius=radius,
         noise_var=gradient_noise_var / derivative_noise_gain(),
     )
-    noise_var = max(_noise_var(fits, rough_noise_var), rounding_var)
-    std, noise_std = predicted_std(fits, noise_var)
-    same_surface = (fits.noise_var < _NOISE_EXCESS * noise_var) | (
-        fits.noise_var < _UNEXPLAINED * fits.gradient_energy
-    )
-    trusted = np.isfinite(fits.disparity) & same_surface & (std < _WORST_STD_PX)
-    trusted &= noise_share(fits, noise_var) < _MOST_NOISE_SHARE
-    outvoted, on_plane, bend = borne_out(fits, trusted, std, noise_std, window=window)
-    trusted &= ~outvoted & ~(on_plane < _LEAST_ON_PLANE)
-    std = np.hypot(std, _ONE_WAY * bend)
-    std *= np.where(np.isnan(on_plane), _UNKNOWN_FACTOR, 1 + _OFF_PLANE_FACTOR * (1 - on_plane))
-    if not trusted.any():
+    noise_var = max(_noise_var(fits, noise_var), pair.rounding_var)
+    found = trust(fits, noise_var, window)
+    if not found.trusted.any():
         raise MeasurementFailed(
             f"none of {int(kept.sum())} matches could be refined: the images differ by more than shifts along"
             " the rows; check that the pair is rectified as the rig says"
         )
-    epipolar = epipolar_offsets(left, right_spline, uv[kept], fits, radius=radius)
-
-    where = np.flatnonzero(kept)[trusted]
-    valid = np.zeros(len(uv), dtype=bool)
-    valid[where] = True
-
-    def spread(values: Array) -> Array:
-        full = np.full((len(uv), *values.shape[1:]), np.nan)
-        full[where] = values[trusted]
-        return full
-
-    uv_left = fits.uv_left
-    uv_right = uv_left - np.stack([fits.disparity, np.zeros_like(fits.disparity)], axis=1)
-    if rectification.rig is not rig:
-        uv_left, uv_right = rectification.left_pixels(uv_left), rectification.right_pixels(uv_right)
+    rows = _Rows(len(uv), np.flatnonzero(kept)[found.trusted], found.trusted)
     return PatchMatches(
-        observations=Observations(spread(uv_left), spread(uv_right), valid),
-        disparity=spread(fits.disparity),
-        disparity_std_px=spread(std),
-        noise_disparity_std_px=spread(noise_std),
-        score=spread(coarse.score[kept]),
-        epipolar_px=spread(epipolar),
+        observations=rows.observations(*_in_the_images_given(fits, pair.rectification, rig)),
+        disparity=rows.spread(fits.disparity),
+        disparity_std_px=rows.spread(found.std),
+        noise_disparity_std_px=rows.spread(found.noise_std),
+        score=rows.spread(coarse.score[kept]),
+        epipolar_px=rows.spread(epipolar_offsets(pair.left, right_spline, uv[kept], fits, radius=radius)),
         noise_std_grey=float(np.sqrt(noise_var)),
     )
 
 
-def predicted_std(fits: Fits, noise_var: float) -> tuple[Array, Array]:
-    """Standard deviation of the disparities, and the part of it that noise explains, (N,) each, px.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Pair:
+    """The two images, grey and rectified; which of their pixels the ones given show; their rounding."""
 
-    Args:
-        fits: the fits.
-        noise_var: least variance of one image's noise, grey^2; a fit that leaves more over has more.
-    """
-    local_var = np.maximum(fits.noise_var, noise_var)
-    residual_std = np.sqrt(local_var * fits.noise_weight)
-    # the template's gradient is noisy too: what it adds to the energy carries no information
-    share = np.minimum(noise_share(fits, noise_var), 0.9)
-    noise_std = fits.noise_std * residual_std / (1 - share)
-    bend_std = fits.curvature_noise_std * residual_std
-    parts = np.maximum(fits.jackknife_std**2 - _JACKKNIFE_NOISE * noise_std**2, 0)
-    bend = np.maximum(fits.curvature_px**2 - _CURVATURE_NOISE * bend_std**2, 0)
-    excess = np.clip(fits.noise_var / noise_var - _EXCESS_FROM, 0, 1)
-    misfit = excess * (_EXCESS_STD * fits.noise_std) ** 2 * noise_var * fits.noise_weight
-    known = fits.noise_var[np.isfinite(fits.noise_var)]
-    typical = float(np.median(known)) / noise_var if len(known) >= _ENOUGH and noise_var > 0 else 1.0
-    aliased = float(np.clip((typical - _ALIASED[0]) / _ALIASED[1], 0, 1))
-    fine = (_INTERPOLATION_SHARE + _ALIASED_SHARE * aliased) * fits.interpolation_px
-    spline = _INTERPOLATION_PX**2 + fine**2
-    return np.sqrt(noise_std**2 + _MODEL_SHARE * (parts + bend) + misfit + spline), noise_std
+    rectification: Rectification
+    left: Array
+    right: Array
+    on_left: Mask
+    on_right: Mask
+    rounding_var: float
 
 
-def noise_share(fits: Fits, noise_var: Array | float) -> Array:
-    """Share of the gradient's energy that is noise of variance `noise_var` grey^2, (N,)."""
-    return np.asarray(derivative_noise_gain() * noise_var / fits.gradient_energy)
+def _rectified(image_left: AnyImage, image_right: AnyImage, rig: StereoRig, window: int) -> _Pair:
+    left, right = grey(image_left, "left image"), grey(image_right, "right image")
+    same_size(left, right)
+    fits_rig(left, rig)
+    rounding_var = (quantization_var(image_left) + quantization_var(image_right)) / 2
+    rectification = rectify(rig)
+    pair = _Pair(rectification, *rectification.warp(left, right), rounding_var)
+    height, width = pair.left.shape
+    if min(height, width) < window + 2:
+        raise MeasurementFailed(
+            f"images of {width} x {height} px hold no {window} x {window} px window and its border: choose a "
+            "smaller window"
+        )
+    return pair
+
+
+def _guessed_noise(pair: _Pair, gradient: Array) -> tuple[float, float]:
+    """Variance of one image's noise, grey^2, and of its gradient's, before any patch is fitted."""
+    noise_var = (estimate_noise(pair.left) ** 2 + estimate_noise(pair.right) ** 2) / 2
+    most = _TEXTURE_SHARE * float(np.mean(gradient**2))
+    return noise_var, min(derivative_noise_gain() * noise_var, most)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Rows:
+    """Where the trusted ones among the fits stand among `n` interest points."""
+
+    n: int
+    where: Indices
+    trusted: Mask
+
+    def observations(self, uv_left: Array, uv_right: Array) -> Observations:
+        """The trusted ones among these positions of the fits."""
+        valid = np.zeros(self.n, dtype=bool)
+        valid[self.where] = True
+        return Observations(self.spread(uv_left), self.spread(uv_right), valid)
+
+    def spread(self, values: Array) -> Array:
+        """One row a point, NaN where it is not trusted."""
+        full = np.full((self.n, *values.shape[1:]), np.nan)
+        full[self.where] = values[self.trusted]
+        return full
+
+
+def _in_the_images_given(fits: Fits, rectification: Rectification, rig: StereoRig) -> tuple[Array, Array]:
+    """Left and right positions, (N, 2) px, of the images before they were rectified."""
+    uv_left = fits.uv_left
+    uv_right = uv_left - np.stack([fits.disparity, np.zeros_like(fits.disparity)], axis=1)
+    if rectification.rig is not rig:
+        return rectification.left_pixels(uv_left), rectification.right_pixels(uv_right)
+    return uv_left, uv_right
 
 
 def fits_rig(image: Array, rig: StereoRig) -> None:
@@ -280,8 +244,23 @@ def _search_range(rig: StereoRig, disparity_range: tuple[float, float] | None) -
     return int(np.floor(low)), int(np.ceil(high))
 
 
-def _coarse(left: Blurred, right: Blurred, uv: Indices, low: int, high: int) -> tuple[Correlations, Mask]:
+def _interest(pair: _Pair, gradient: Array, gradient_noise_var: float, n_points: int, window: int) -> Indices:
+    """Pixels (N, 2) of the left image with texture along their rows."""
+    uv = interest_points(
+        gradient,
+        whole_windows(pair.on_left, window // 2 + 1),
+        n_points,
+        radius=window // 2,
+        noise_var=max(gradient_noise_var, _ROUNDING * float(np.var(pair.left))),
+    )
+    if not len(uv):
+        raise MeasurementFailed(f"left image: no texture along the rows in any {window} x {window} px window")
+    return uv
+
+
+def _coarse(pair: _Pair, uv: Indices, low: int, high: int, radius: int) -> tuple[Correlations, Mask]:
     """Whole-pixel matches of `uv`, and which are good, alone, and the same from right to left."""
+    left, right = Blurred.of(pair.left, pair.on_left, radius), Blurred.of(pair.right, pair.on_right, radius)
     there = correlate(left, right, uv, low, high)
     kept = _is_unique(there)
     uv_right = uv[kept]
@@ -290,6 +269,11 @@ def _coarse(left: Blurred, right: Blurred, uv: Indices, low: int, high: int) -> 
     # a repeating texture's hidden part is found elsewhere: only the way back sees that there are two
     same = np.abs(there.disparity[kept] + back.disparity) <= _LEFT_RIGHT_PX
     kept[kept] = same & _is_unique(back)
+    if not kept.any():
+        raise MeasurementFailed(
+            f"none of {len(uv)} points of the left image was found in the right one at disparities {low} to "
+            f"{high} px: check that left and right are not swapped and that the rig fits them"
+        )
     return there, kept
 
 
@@ -300,4 +284,4 @@ def _is_unique(found: Correlations) -> Mask:
 def _noise_var(fits: Fits, fallback: float) -> float:
     """Variance of one image's noise, grey^2: what the best quarter of the fits leaves over."""
     left_over = fits.noise_var[np.isfinite(fits.disparity)]
-    return float(np.quantile(left_over, 0.25)) if len(left_over) >= _ENOUGH else fallback
+    return float(np.quantile(left_over, 0.25)) if len(left_over) >= ENOUGH else fallback

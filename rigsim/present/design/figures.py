@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from matplotlib.artist import Artist
+from matplotlib.collections import QuadMesh
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -21,12 +22,14 @@ from rigsim.rig.arrays import Array
 from rigsim.rig.noise import PixelNoise
 from rigsim.study.design import words as words
 from rigsim.study.design.proof import Proof
-from rigsim.study.design.solve import Candidate, Design
+from rigsim.study.design.solve import Candidate, Design, Specification
 from rigsim.theory.inverse import Camera, baseline_interval
 from rigsim.theory.inverse_error import noise_error
 
 _LEFT, _BOTTOM, _WIDTH, _HEIGHT = 0.75, 0.6, 4.2, 3.5
-_DASHES: tuple[Literal["-", "--", "-.", ":"], ...] = ("-", "--", "-.", ":")
+Dash: TypeAlias = Literal["-", "--", "-.", ":"]
+"""How a line is drawn."""
+_DASHES: tuple[Dash, ...] = ("-", "--", "-.", ":")
 _REGION_WIDTH, _REGION_HEIGHT = 5.4, 4.4
 _SPAN = 2.0  # the region is drawn for focal lengths within this factor of the pick's
 
@@ -58,37 +61,10 @@ def region_figure(design: Design, pick: Candidate) -> Figure:
         mesh = axes.pcolormesh(
             f, B, shown, cmap=style.heat_map(), norm=norm, shading="nearest", rasterized=True
         )
-        bar_axes = style.place(figure, _LEFT + _REGION_WIDTH + 0.12, _BOTTOM, 0.13, 1.8)
-        bar = figure.colorbar(mesh, cax=bar_axes)
-        bar.set_label("depth error at\nthe far end, mm")
-        bar_axes.grid(False)
-        ends = _ends(error[allowed])
-        ticks = style.nice_levels(*ends)
-        if len(ticks) < 3:
-            ticks = list(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]).tick_values(*ends))
-        bar_axes.yaxis.set_major_locator(FixedLocator([t for t in ticks if ends[0] <= t <= ends[1]]))
-        bar_axes.yaxis.set_minor_locator(NullLocator())
-        bar_axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: plain(value, 4)))
-        lines: list[Named] = []
-        for place, asked in enumerate(spec.requirements):
-            color, dash = style.LINES[place % len(style.LINES)], _DASHES[place % len(_DASHES)]
-            if asked.kind == "pixels":
-                continue
-            name = words.whole(asked).replace("<=", "≤").replace(">=", "≥")
-            if asked.kind == "fov":
-                widest = chip.width_px / 2 / math.tan(asked.limit / 2)
-                line = Named(np.full(2, widest), np.array([low_mm, high_mm]), name, color)
-                out = not f[0] <= widest <= f[-1]
-            else:
-                limit_mm = np.array(
-                    [asked.baseline_m(camera, spec.disparity_std_px) * 1e3 for camera in cameras]
-                )
-                there = limit_mm > 0  # coverage ends where one camera alone sees too little
-                line = Named(f[there], limit_mm[there], name, color)
-                out = not there.any() or line.y.max() < low_mm or line.y.min() > high_mm
-            if not out:
-                axes.plot(line.x, line.y, color=color, linestyle=dash)
-                lines.append(line)
+        _region_bar(figure, mesh, _ends(error[allowed]))
+        lines = _limit_lines(spec, cameras, chip, (low_mm, high_mm))
+        for line, dash in lines:
+            axes.plot(line.x, line.y, color=line.color, linestyle=dash)
         star = (chip.focal_px, pick.baseline_m * 1e3)
         axes.plot(*star, **_STAR)
         axes.annotate(
@@ -107,8 +83,46 @@ def region_figure(design: Design, pick: Candidate) -> Figure:
         axes.set_ylabel("baseline, mm")
         beside = float(star[0] * (f[-1] / f[0]) ** 0.08), float(star[1] * (high_mm / low_mm) ** -0.03)
         shaded = np.column_stack([part[allowed][::7] for part in np.meshgrid(f, B)])
-        label_lines(axes, lines, (star, beside), shaded)
+        label_lines(axes, [line for line, _ in lines], (star, beside), shaded)
     return figure
+
+
+def _region_bar(figure: Figure, mesh: QuadMesh, ends: tuple[float, float]) -> None:
+    axes = style.place(figure, _LEFT + _REGION_WIDTH + 0.12, _BOTTOM, 0.13, 1.8)
+    bar = figure.colorbar(mesh, cax=axes)
+    bar.set_label("depth error at\nthe far end, mm")
+    axes.grid(False)
+    ticks = style.nice_levels(*ends)
+    if len(ticks) < 3:
+        ticks = list(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]).tick_values(*ends))
+    axes.yaxis.set_major_locator(FixedLocator([t for t in ticks if ends[0] <= t <= ends[1]]))
+    axes.yaxis.set_minor_locator(NullLocator())
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: plain(value, 4)))
+
+
+def _limit_lines(
+    spec: Specification, cameras: Sequence[Camera], chip: Camera, span_mm: tuple[float, float]
+) -> list[tuple[Named, Dash]]:
+    """Each requirement's line over focal lengths, where it lies within the figure, and its dashes."""
+    f = np.array([camera.focal_px for camera in cameras])
+    lines: list[tuple[Named, Dash]] = []
+    for place, asked in enumerate(spec.requirements):
+        if asked.kind == "pixels":
+            continue
+        color, dash = style.LINES[place % len(style.LINES)], _DASHES[place % len(_DASHES)]
+        name = words.whole(asked).replace("<=", "≤").replace(">=", "≥")
+        if asked.kind == "fov":
+            widest = chip.width_px / 2 / math.tan(asked.limit / 2)
+            line = Named(np.full(2, widest), np.array(span_mm), name, color)
+            out = not f[0] <= widest <= f[-1]
+        else:
+            limit_mm = np.array([asked.baseline_m(camera, spec.disparity_std_px) * 1e3 for camera in cameras])
+            there = limit_mm > 0  # coverage ends where one camera alone sees too little
+            line = Named(f[there], limit_mm[there], name, color)
+            out = not there.any() or line.y.max() < span_mm[0] or line.y.min() > span_mm[1]
+        if not out:
+            lines.append((line, dash))
+    return lines
 
 
 def pareto_figure(design: Design, pick: Candidate) -> Figure:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from rigsim.present.kit.console import make_console, print_table
 from rigsim.present.kit.format import length, number
+from rigsim.study.infer.bias import BiasPart
 from rigsim.study.infer.run import Inference, Transfer
 from rigsim.study.infer.words import sentence
 
@@ -17,6 +18,15 @@ def print_inference(
 ) -> None:
     """Print what was inferred, and what it does to another rig, on standard output."""
     print(textwrap.fill(sentence(inference), make_console().width) + "\n")
+    _print_inferred(inference)
+    _print_distances(inference)
+    if carried is not None:
+        _print_carried(carried)
+    if folder is not None:
+        make_console().print(f"Files: {folder}", soft_wrap=True)
+
+
+def _print_inferred(inference: Inference) -> None:
     sigma, low, high = inference.disparity_std_px, inference.low_px, inference.high_px
     why = {
         "samples": "95 % interval from the counts n",
@@ -32,30 +42,32 @@ def print_inference(
         for law, misfit in inference.fit.misfit.items():
             rows.append((f"{law} law", number(100 * misfit, 2), "%", "", "misfit"))
     if inference.bias is not None:
-        bias = inference.bias
-        rows.append(
-            (
-                "disparity offset",
-                number(bias.disparity_offset_px),
-                "px",
-                _interval(bias.offset_interval_px),
-                "bias part: yaw, principal point",
-            )
-        )
-        if not math.isnan(bias.scale):
-            rows.append(
-                (
-                    "scale error",
-                    number(100 * bias.scale),
-                    "%",
-                    _interval(tuple(100 * end for end in bias.scale_interval)),
-                    "bias part: baseline, focal length",
-                )
-            )
-        rows.append(("bias left over", number(bias.left_rms_m * 1e3), "mm", "", "RMS that neither explains"))
-        rows.append(("bias share", number(100 * bias.share), "%", "", "of the mean squared error"))
+        rows += _bias_rows(inference.bias)
     print_table("Inferred", ("quantity", "value", "unit", "interval", "meaning"), rows)
-    errors = inference.errors
+
+
+def _bias_rows(bias: BiasPart) -> list[tuple[str, str, str, str, str]]:
+    rows = [
+        (
+            "disparity offset",
+            number(bias.disparity_offset_px),
+            "px",
+            _interval(bias.offset_interval_px),
+            "bias part: yaw, principal point",
+        )
+    ]
+    if not math.isnan(bias.scale):
+        between = _interval(tuple(100 * end for end in bias.scale_interval))
+        rows.append(
+            ("scale error", number(100 * bias.scale), "%", between, "bias part: baseline, focal length")
+        )
+    rows.append(("bias left over", number(bias.left_rms_m * 1e3), "mm", "", "RMS that neither explains"))
+    rows.append(("bias share", number(100 * bias.share), "%", "", "of the mean squared error"))
+    return rows
+
+
+def _print_distances(inference: Inference) -> None:
+    errors, sigma = inference.errors, inference.disparity_std_px
     print_table(
         "By distance",
         ("distance", "depth std", "explained", "disparity std px"),
@@ -65,32 +77,22 @@ def print_inference(
         ],
         numeric=(True, True, True, True),
     )
-    if carried is not None:
-        lens = carried.rig.left
-        print_table(
-            f"Carried over: baseline {length(carried.rig.baseline_m)}, focal {number(lens.fx, 4)} px",
-            ("distance", "depth std", "from", "to", "note"),
-            [
-                (
-                    length(depth),
-                    length(std),
-                    length(least),
-                    length(most),
-                    "" if fine else "disparity under 4 sigma",
-                )
-                for depth, std, least, most, fine in zip(
-                    carried.depths_m,
-                    carried.stds_m,
-                    carried.lows_m,
-                    carried.highs_m,
-                    carried.trusted,
-                    strict=True,
-                )
-            ],
-            numeric=(True, True, True, True, False),
-        )
-    if folder is not None:
-        make_console().print(f"Files: {folder}", soft_wrap=True)
+
+
+def _print_carried(carried: Transfer) -> None:
+    lens = carried.rig.left
+    numbers = zip(
+        carried.depths_m, carried.stds_m, carried.lows_m, carried.highs_m, carried.trusted, strict=True
+    )
+    print_table(
+        f"Carried over: baseline {length(carried.rig.baseline_m)}, focal {number(lens.fx, 4)} px",
+        ("distance", "depth std", "from", "to", "note"),
+        [
+            (*map(length, lengths), "" if trusted else "disparity under 4 sigma")
+            for *lengths, trusted in numbers
+        ],
+        numeric=(True, True, True, True, False),
+    )
 
 
 def _interval(ends: tuple[float, ...]) -> str:

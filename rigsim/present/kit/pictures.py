@@ -11,6 +11,7 @@ from PIL import Image as PillowImage
 
 from rigsim.errors import OutputError
 from rigsim.rig.arrays import Array, Image
+from rigsim.statistics import inner_range
 
 _LUMA = np.array([0.299, 0.587, 0.114])  # ITU-R BT.601
 _INVALID = 60
@@ -64,7 +65,7 @@ def picture_limits(values: npt.ArrayLike) -> tuple[float, float]:
     array = array[np.isfinite(array)]
     if not array.size:
         return 0.0, 1.0
-    low, high = (float(value) for value in np.percentile(array, (1, 99)))
+    low, high = inner_range(array)
     return (low, high) if high > low else (low - 0.5, high + 0.5)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import numpy.typing as npt
 from matplotlib.artist import Artist
@@ -16,7 +18,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 from rigsim.present.kit import style
 from rigsim.present.kit.footprint import Footprint, footprint
 from rigsim.present.kit.format import length, length_mm, plain
-from rigsim.present.kit.isolines import Predict, closed_form, draw_iso_lines
+from rigsim.present.kit.isolines import closed_form, draw_iso_lines
 from rigsim.present.kit.plan import (
     BOTH,
     Window,
@@ -30,6 +32,7 @@ from rigsim.present.kit.plan import (
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
+from rigsim.statistics import inner_range
 
 _MAIN_LEFT, _MAIN_BOTTOM, _MAIN_WIDTH = 0.62, 1.12, 4.75
 _FEW = 12
@@ -45,8 +48,6 @@ def topdown_figure(
     noise: PixelNoise | None = None,
     rays: bool = False,
     title: str = "",
-    error_name: str = "RMS depth error of a point",
-    predict: Predict | None = None,
 ) -> Figure:
     """Draw the rig from above, in metres, x to the right and forward up the page.
 
@@ -58,26 +59,11 @@ def topdown_figure(
         noise: pixel noise for the lines of equal predicted error; no lines without it.
         rays: draw the line of sight of both cameras to every point, for a handful of points.
         title: heading of the figure.
-        error_name: what the colours mean.
-        predict: ``(rig, points_left, noise) -> depth std (N,) m``; by default the closed form of `theory`.
     """
-    points = np.asarray(points_left, dtype=np.float64).reshape(-1, 3)
-    seen = np.ones(len(points), bool) if visible is None else np.asarray(visible, dtype=np.bool_).reshape(-1)
-    predict = predict or closed_form
-    if depth_error_m is not None:
-        error = np.asarray(depth_error_m, dtype=np.float64).reshape(-1)
-    elif noise is not None and noise.disparity_std_px > 0 and len(points):
-        error = predict(rig, points, noise)
-    else:
-        error = np.full(len(points), np.nan)
-
-    xz = rig.rig_from_left.apply(points)[:, [0, 2]]
-    finite = np.isfinite(xz).all(axis=1)
-    xz, seen, error = xz[finite], seen[finite], error[finite]
     noisy = noise is not None and noise.disparity_std_px > 0
-
+    points = _points(rig, points_left, visible, depth_error_m, noise)
     view = footprint(rig)
-    window = _window(view, rig, xz)
+    window = _window(view, rig, points.xz)
     shape = (window.z_high - window.z_low) / (window.x_high - window.x_low)
     height = float(np.clip(_MAIN_WIDTH * shape, 3.2, 6.2))
     window = fill(window, _MAIN_WIDTH / height)
@@ -88,24 +74,76 @@ def topdown_figure(
         if title:
             axes.set_title(title, pad=8)
         draw_views(axes, view, window)
-        iso = noise is not None and noisy and draw_iso_lines(axes, rig, view, window, noise, predict)
+        iso = noise is not None and noisy and draw_iso_lines(axes, rig, view, window, noise)
         if view.nearest is None:
             axes.text(0.5, 0.5, "the cameras share no view", transform=axes.transAxes, ha="center")
         draw_nearest(axes, view)
         draw_cameras(axes, view, 0.022 * (window.z_high - window.z_low), rig.baseline_m)
-        colored = _draw_points(axes, xz, seen, error, rays, view)
+        if rays:
+            _draw_rays(axes, points, view)
+        colored = _draw_points(axes, points)
         if colored is not None:
-            _color_bar(figure, colored, error_name)
+            name = "predicted depth std" if depth_error_m is None else "RMS depth error of a point"
+            _color_bar(figure, colored, name)
         draw_near_zone(figure, rig, view, _MAIN_BOTTOM, min(1.9, height - 1.75))
-        _legend(
-            figure,
-            view,
-            _MAIN_BOTTOM + height,
-            single=bool((~seen).any()),
-            lost=bool(np.isnan(error[seen]).any()) and noisy,
-            iso=iso,
-        )
+        lost, single = bool(points.lost.any()) and noisy, not points.seen.all()
+        _legend(figure, view, _MAIN_BOTTOM + height, single=single, lost=lost, iso=iso)
     return figure
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Points:
+    """Points (N, 2) m of the plan, whether both cameras see them, and their depth errors, m."""
+
+    xz: Array
+    seen: Mask
+    error_m: Array
+
+    @property
+    def known(self) -> Mask:
+        """Seen points with an error."""
+        return np.asarray(self.seen & np.isfinite(self.error_m))
+
+    @property
+    def lost(self) -> Mask:
+        """Seen points without one."""
+        return np.asarray(self.seen & ~np.isfinite(self.error_m))
+
+    @property
+    def few(self) -> bool:
+        """Whether each can be labelled."""
+        return len(self.xz) <= _FEW
+
+    @property
+    def raster(self) -> bool:
+        """Whether they are too many for single shapes."""
+        return len(self.xz) > 300
+
+    @property
+    def size(self) -> float:
+        """Area of a mark, square points."""
+        return 70.0 if self.few else float(np.clip(9000 / len(self.xz), 5, 24))
+
+
+def _points(
+    rig: StereoRig,
+    points_left: npt.ArrayLike,
+    visible: npt.ArrayLike | None,
+    depth_error_m: npt.ArrayLike | None,
+    noise: PixelNoise | None,
+) -> _Points:
+    """The finite points as they lie on the plan."""
+    points = np.asarray(points_left, dtype=np.float64).reshape(-1, 3)
+    seen = np.ones(len(points), bool) if visible is None else np.asarray(visible, dtype=np.bool_).reshape(-1)
+    if depth_error_m is not None:
+        error = np.asarray(depth_error_m, dtype=np.float64).reshape(-1)
+    elif noise is not None and noise.disparity_std_px > 0 and len(points):
+        error = closed_form(rig, points, noise)
+    else:
+        error = np.full(len(points), np.nan)
+    xz = rig.rig_from_left.apply(points)[:, [0, 2]]
+    finite = np.isfinite(xz).all(axis=1)
+    return _Points(xz[finite], seen[finite], error[finite])
 
 
 def _window(view: Footprint, rig: StereoRig, xz: Array) -> Window:
@@ -128,94 +166,95 @@ def _window(view: Footprint, rig: StereoRig, xz: Array) -> Window:
     return Window(-half, half, z_low, reach)
 
 
-def _draw_points(
-    axes: Axes, xz: Array, seen: Mask, error_m: Array, rays: bool, view: Footprint
-) -> PathCollection | None:
-    """Points, the seen ones coloured by their error; returns the coloured artist, if there is one."""
-    if rays:
-        for camera, color in ((view.left, style.LEFT), (view.right, style.RIGHT)):
-            for point in xz[:_FEW]:
-                axes.plot(*np.stack([camera.center, point]).T, color=color, linewidth=1.2, zorder=4)
-    size = 70.0 if len(xz) <= _FEW else float(np.clip(9000 / len(xz), 5, 24))
-    raster = len(xz) > 300
-    single = xz[~seen]
+def _draw_rays(axes: Axes, points: _Points, view: Footprint) -> None:
+    """Lines of sight to the first few points."""
+    for camera, color in ((view.left, style.LEFT), (view.right, style.RIGHT)):
+        for point in points.xz[:_FEW]:
+            axes.plot(*np.stack([camera.center, point]).T, color=color, linewidth=1.2, zorder=4)
+
+
+def _draw_points(axes: Axes, points: _Points) -> PathCollection | None:
+    """Points, the seen ones coloured by their error; returns the coloured artist that needs a colour bar."""
+    single = points.xz[~points.seen]
     if len(single):
         axes.scatter(
             single[:, 0],
             single[:, 1],
-            s=size,
+            s=points.size,
             facecolors="none",
             edgecolors="#8A8A8A",
             linewidths=0.6,
             zorder=4,
-            rasterized=raster,
+            rasterized=points.raster,
             gid="seen-by-one",
         )
-    known = seen & np.isfinite(error_m)
-    exact = not (error_m[known] > _NO_ERROR_M).any()  # without noise there is nothing to colour
-    lost = seen & ~np.isfinite(error_m)
-    if lost.any():
+    if points.lost.any():
         axes.scatter(
-            xz[lost, 0],
-            xz[lost, 1],
-            s=size,
+            points.xz[points.lost, 0],
+            points.xz[points.lost, 1],
+            s=points.size,
             c=style.GREY,
             marker="x",
             linewidths=0.8,
             zorder=4,
             gid="not-found",
         )
+    known = points.known
     if not known.any():
         return None
-    if exact:
-        axes.scatter(
-            xz[known, 0],
-            xz[known, 1],
-            s=size,
-            c=style.INK,
-            linewidths=0,
-            zorder=5,
-            rasterized=raster,
-            gid="exact",
-        )
-        return None
-    error_mm = error_m[known] * 1e3
-    low, high = _color_limits(error_mm)
+    if (points.error_m[known] > _NO_ERROR_M).any():
+        return _draw_colored(axes, points)
+    axes.scatter(  # without noise there is nothing to colour
+        points.xz[known, 0],
+        points.xz[known, 1],
+        s=points.size,
+        c=style.INK,
+        linewidths=0,
+        zorder=5,
+        rasterized=points.raster,
+        gid="exact",
+    )
+    return None
+
+
+def _draw_colored(axes: Axes, points: _Points) -> PathCollection | None:
+    """Points with their errors: as colours, and as numbers when they are few."""
+    xz, error_mm = points.xz[points.known], points.error_m[points.known] * 1e3
     artist = axes.scatter(
-        xz[known, 0],
-        xz[known, 1],
+        xz[:, 0],
+        xz[:, 1],
         c=error_mm,
-        s=size,
+        s=points.size,
         cmap=style.heat_map(),
-        norm=LogNorm(low, high),
-        linewidths=0.8 if len(xz) <= _FEW else 0.0,
+        norm=LogNorm(*_color_limits(error_mm)),
+        linewidths=0.8 if points.few else 0.0,
         edgecolors="white",
         zorder=5,
-        rasterized=raster,
+        rasterized=points.raster,
         gid="points",
     )
-    if len(xz) <= _FEW:
-        for point, value in zip(xz[known], error_mm, strict=True):
-            left_half = point[0] <= np.mean(axes.get_xlim())
-            axes.annotate(
-                f"depth {length(point[1])}\n± {length_mm(value)}",
-                point,
-                (9 if left_half else -9, 0),
-                textcoords="offset points",
-                ha="left" if left_half else "right",
-                va="center",
-                fontsize=9,
-                path_effects=style.HALO,
-                zorder=8,
-            )
-        return None
-    return artist
+    if not points.few:
+        return artist
+    for point, value in zip(xz, error_mm, strict=True):
+        left_half = point[0] <= np.mean(axes.get_xlim())
+        axes.annotate(
+            f"depth {length(point[1])}\n± {length_mm(value)}",
+            point,
+            (9 if left_half else -9, 0),
+            textcoords="offset points",
+            ha="left" if left_half else "right",
+            va="center",
+            fontsize=9,
+            path_effects=style.HALO,
+            zorder=8,
+        )
+    return None
 
 
 def _color_limits(error_mm: Array) -> tuple[float, float]:
     """Limits of the colour scale: all but the outermost hundredth, at least a factor of two apart."""
     positive = error_mm[error_mm > _NO_ERROR_M * 1e3]
-    low, high = (float(value) for value in np.percentile(positive, (1, 99)))
+    low, high = inner_range(positive)
     if high < 2 * low:
         middle = (low * high) ** 0.5
         low, high = middle / 2**0.5, middle * 2**0.5

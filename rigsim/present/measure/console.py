@@ -15,6 +15,7 @@ from rigsim.present.kit.console import make_console, print_table
 from rigsim.present.kit.format import count, length, length_mm, number, percent
 from rigsim.present.kit.pictures import disparity_picture, encode, picture_limits, with_scale
 from rigsim.rig.arrays import Array, Image
+from rigsim.statistics import inner_range, rms, robust_rms
 from rigsim.study.measure.result import DenseMap, Finding, PairMatches, PairMeasurement, eight_bit
 from rigsim.study.measure.rows import row_verdict, verdict_words
 from rigsim.study.measure.truth import OUTLIER_PX, DenseErrors
@@ -23,7 +24,6 @@ _BINS = 5
 _LEAST_IN_BIN = 20
 _DOT_PX = 2
 _LOCKING_PX = 0.05
-_NMAD = 1.4826
 _REGIONS = {
     "non-occluded": "non-\noccluded",
     "textureless": "texture-\nless",
@@ -115,13 +115,13 @@ def _sentences(matches: PairMatches, rows: Finding) -> Iterator[str]:
     depth = depth[np.isfinite(depth)]
     where = ""
     if len(depth):
-        near, far = np.percentile(depth, (1, 99))
+        near, far = inner_range(depth)
         where = f", nearly all at {length(near)} to {length(far)}"
     yield f"{matches.kind.capitalize()}: {count(matches.n)} of {count(matches.n_tried)} {what}{where}."
-    rms = matches.epipolar_rms_px
-    if math.isfinite(rms):
+    off_px = matches.epipolar_rms_px
+    if math.isfinite(off_px):
         yield (
-            f"They lie {_px(rms)} px (RMS) off their epipolar lines, half of them within "
+            f"They lie {_px(off_px)} px (RMS) off their epipolar lines, half of them within "
             f"{_px(matches.epipolar_typical_px)} px: {verdict_words(rows)}."
         )
     yield (
@@ -161,12 +161,12 @@ def _print_by_depth(matches: PairMatches, console: Console) -> None:
             f"{length(depth[part[0]])} to {length(depth[part[-1]])}",
             count(len(part)),
             length(float(np.median(matches.depth_std_m[part]))),
-            length(_rms(matches.depth_std_m[part])),
+            length(rms(matches.depth_std_m[part])),
         ]
         if judged:
             error = error_m[part]
             error = error[np.isfinite(error)]
-            row += [length(_typical(error)), length(_rms(error))]
+            row += [length(robust_rms(error)), length(rms(error))]
         rows.append(row)
     columns = ["depth", "matches", "predicted\ntypical", "predicted\nRMS"]
     columns += ["measured\ntypical", "measured\nRMS"] if judged else []
@@ -200,7 +200,7 @@ def _print_boards(result: PairMeasurement, console: Console) -> None:
 
 
 def _print_dense(dense: DenseMap, console: Console) -> None:
-    low, high = np.nanpercentile(dense.disparity, (1, 99))
+    low, high = inner_range(dense.disparity)
     rectified = " of the pair, which was rectified first," if dense.rectified else ""
     _say(
         console,
@@ -288,15 +288,6 @@ def _dots(result: PairMeasurement) -> Image:
 
 def _with_scale(picture: Image, disparity: Array) -> bytes:
     return encode(with_scale(picture, picture_limits(disparity), "disparity, px"))
-
-
-def _typical(errors: Array) -> float:
-    """What the standard deviation of normally distributed errors with that median size would be."""
-    return _NMAD * float(np.median(np.abs(errors))) if len(errors) else math.nan
-
-
-def _rms(values: Array) -> float:
-    return math.sqrt(float(np.mean(values**2))) if len(values) else math.nan
 
 
 def _say(console: Console, text: str, style: str = "") -> None:

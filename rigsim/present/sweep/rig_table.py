@@ -9,7 +9,10 @@ import numpy as np
 from rigsim.present.kit.footprint import footprint
 from rigsim.present.kit.format import count, length, number, percent, plain
 from rigsim.present.sweep.tables import Row, Table
+from rigsim.rig.arrays import Array
+from rigsim.rig.noise import PixelNoise
 from rigsim.rig.sensor import Sensor
+from rigsim.rig.stereo import StereoRig
 from rigsim.study.sweep.result import SweepResult
 
 Entry: TypeAlias = tuple[str, str, str, str]
@@ -19,9 +22,19 @@ Entry: TypeAlias = tuple[str, str, str, str]
 def rig_table(result: SweepResult) -> Table:
     """Parameter, value, unit and meaning of the rig on show."""
     show, row = result.showcase, result.rows.iloc[result.showcase.row]
-    rig, noise = show.rig, show.noise
-    nearest = footprint(rig).nearest
-    depth = show.points_left[show.visible, 2]
+    entries = [
+        *_geometry(show.rig),
+        *_noise(show.noise, str(row["triangulator"])),
+        *_depths(show.rig, show.points_left[show.visible, 2]),
+    ]
+    sample = f"{count(row['n_points'])} × {count(row['n_trials'])}"
+    entries.append(("Sample", sample, "", "truth points × noisy trials of each"))
+    entries += sensor_entries(show.sensor, str(row["sensor"]))
+    headings = (("Parameter", ""), ("Value", ""), ("Unit", ""), ("Meaning", ""))
+    return Table(headings, (False, True, False, False), tuple(Row(entry) for entry in entries))
+
+
+def _geometry(rig: StereoRig) -> list[Entry]:
     entries: list[Entry] = [
         ("Baseline", plain(rig.baseline_m * 1e3), "mm", "distance between the two camera centres"),
         ("Image size", f"{rig.left.width} × {rig.left.height}", "px", "of each camera"),
@@ -48,7 +61,11 @@ def rig_table(result: SweepResult) -> Table:
                 "right minus left principal point, along the rows",
             )
         )
-    entries += [
+    return entries
+
+
+def _noise(noise: PixelNoise, triangulator: str) -> list[Entry]:
+    return [
         (
             "Pixel noise",
             plain(noise.std_px),
@@ -61,8 +78,14 @@ def rig_table(result: SweepResult) -> Table:
             "px",
             "what that makes of the difference between left and right",
         ),
-        ("Triangulator", str(row["triangulator"]), "", "how two image points become one point in space"),
+        ("Triangulator", triangulator, "", "how two image points become one point in space"),
     ]
+
+
+def _depths(rig: StereoRig, depth: Array) -> list[Entry]:
+    """Where the points lie, `depth` (N,) m."""
+    entries: list[Entry] = []
+    nearest = footprint(rig).nearest
     if nearest is not None:
         value, unit = length(nearest[1]).split(" ")
         entries.append(("Nearest overlap", value, unit, "closer than this, no point is seen by both cameras"))
@@ -86,11 +109,7 @@ def rig_table(result: SweepResult) -> Table:
                     "depth that one pixel of disparity stands for at the median depth",
                 )
             )
-    sample = f"{count(row['n_points'])} × {count(row['n_trials'])}"
-    entries.append(("Sample", sample, "", "truth points × noisy trials of each"))
-    entries += sensor_entries(show.sensor, str(row["sensor"]))
-    headings = (("Parameter", ""), ("Value", ""), ("Unit", ""), ("Meaning", ""))
-    return Table(headings, (False, True, False, False), tuple(Row(entry) for entry in entries))
+    return entries
 
 
 def sensor_entries(sensor: Sensor, name: str) -> list[Entry]:
@@ -117,6 +136,30 @@ def sensor_entries(sensor: Sensor, name: str) -> list[Entry]:
         entries.append(
             ("Lens distortion", said or "0", "", "Brown-Conrady, taken out again before measuring")
         )
+    entries += _electrons(sensor)
+    if sensor.grey_noise:
+        entries.append(
+            (
+                "Image noise",
+                plain(sensor.grey_noise),
+                "grey",
+                "white noise on top, in levels of an 8-bit picture",
+            )
+        )
+    if sensor.vignetting:
+        entries.append(("Vignetting", percent(sensor.vignetting), "%", "light lost in the corners"))
+    if sensor.right_gain != 1 or sensor.right_offset:
+        value = f"× {plain(sensor.right_gain)}"
+        if sensor.right_offset:
+            sign = "−" if sensor.right_offset < 0 else "+"
+            value += f" {sign} {plain(abs(100 * sensor.right_offset))} %"
+        entries.append(("Right picture", value, "", "brightness over the left one's; offset of full scale"))
+    return entries
+
+
+def _electrons(sensor: Sensor) -> list[Entry]:
+    """What becomes of the light in the pixels."""
+    entries: list[Entry] = []
     if sensor.full_well_e:
         entries.append(
             ("Full well", plain(sensor.full_well_e), "e⁻", "electrons that fill a pixel at gain 1")
@@ -136,21 +179,4 @@ def sensor_entries(sensor: Sensor, name: str) -> list[Entry]:
             entries.append((label, plain(size), unit, meaning))
     if sensor.gain != 1:
         entries.append(("Gain", plain(sensor.gain), "×", "so many times fewer electrons are full scale"))
-    if sensor.grey_noise:
-        entries.append(
-            (
-                "Image noise",
-                plain(sensor.grey_noise),
-                "grey",
-                "white noise on top, in levels of an 8-bit picture",
-            )
-        )
-    if sensor.vignetting:
-        entries.append(("Vignetting", percent(sensor.vignetting), "%", "light lost in the corners"))
-    if sensor.right_gain != 1 or sensor.right_offset:
-        value = f"× {plain(sensor.right_gain)}"
-        if sensor.right_offset:
-            sign = "−" if sensor.right_offset < 0 else "+"
-            value += f" {sign} {plain(abs(100 * sensor.right_offset))} %"
-        entries.append(("Right picture", value, "", "brightness over the left one's; offset of full scale"))
     return entries

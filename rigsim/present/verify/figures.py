@@ -11,6 +11,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from rigsim.present.kit import style
 from rigsim.present.kit.format import plain
 from rigsim.rig.arrays import Array, Mask
+from rigsim.statistics import inner_range
 from rigsim.study.verify.result import CaseResult
 from rigsim.study.verify.worst import pixel_errors
 from rigsim.theory.uncertainty import pixel_gain
@@ -121,7 +122,7 @@ def _draw_depths(axes: Axes, result: CaseResult, asked: Mask) -> None:
     axes.set_ylabel("found depth, m")
     axes.set_title("Found depth, line: right", fontsize=9.5)
     axes.scatter(true[back], found[back], s=4, color=style.BLUE, rasterized=True)
-    low, high = (float(x) for x in np.percentile(found[back], (2, 98)))
+    low, high = inner_range(found[back], 0.02)
     low, high = min(low, 0.0), max(high, float(true.max()))
     axes.plot([0, true.max()], [0, true.max()], color=style.VERMILION)
     margin = 0.05 * (high - low)
@@ -149,7 +150,7 @@ def _limits(values: Array) -> tuple[float, float]:
     values = values[np.isfinite(values) & (values > 0)]
     if not values.size:
         return 0.1, 10.0
-    low, high = float(np.percentile(values, 2)), float(values.max())
+    low, high = inner_range(values, 0.02)[0], float(values.max())
     if high < low * 10**_DECADES:
         middle = np.sqrt(low * high)
         spread = max(np.sqrt(high / low) * 1.15, 1.5)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from rigsim.sim.noise import Plane, cellular, fractal, mix, smoothstep
-from rigsim.sim.truth.surfaces import Shape, cardboard, cell_grid, grained, rgb
+from rigsim.sim.truth.surfaces import Canvas, Shape, cardboard, cell_grid, grained, rgb
 
 
 def _lettering(rng: np.random.Generator, shape: Shape, glyph: int) -> Plane:
@@ -26,10 +26,11 @@ def _lettering(rng: np.random.Generator, shape: Shape, glyph: int) -> Plane:
     return out
 
 
-def parcel(rng: np.random.Generator, shape: Shape, *, base: str = "#b08a5e", tape: str = "#8a6a3c") -> Plane:
+def parcel(on: Canvas, *, base: str = "#b08a5e", tape: str = "#8a6a3c") -> Plane:
     """One face of a carton: tape, a label with a bar code, printed marks."""
+    rng, shape = on
     height, width = shape
-    color = cardboard(rng, shape, base=base)
+    color = cardboard(on, base=base)
     seam = slice(int(0.46 * width), int(0.56 * width))
     color[:, seam] = rgb(tape) * grained(rng, shape, 0.08)[:, seam]
     top, left = int((0.12 + 0.1 * rng.random()) * height), int((0.06 + 0.04 * rng.random()) * width)
@@ -49,14 +50,14 @@ def parcel(rng: np.random.Generator, shape: Shape, *, base: str = "#b08a5e", tap
 
 
 def poster(
-    rng: np.random.Generator,
-    shape: Shape,
+    on: Canvas,
     *,
     base: str = "#e4dfd0",
     ink: str = "#1f3a5f",
     accent: str = "#c2502e",
 ) -> Plane:
     """A printed sheet: a headline, a picture, and small type."""
+    rng, shape = on
     height, width = shape
     color = np.broadcast_to(rgb(base), (height, width, 3)) * grained(rng, shape, 0.03)
     field = fractal(rng, shape, (4, 4), 5, gain=0.55)
@@ -92,10 +93,9 @@ _MEANDER = np.array(
 )
 
 
-def amphora(
-    rng: np.random.Generator, shape: Shape, *, base: str = "#b5683c", figure: str = "#2a1e19"
-) -> Plane:
+def amphora(on: Canvas, *, base: str = "#b5683c", figure: str = "#2a1e19") -> Plane:
     """Painted pottery, top row at the lip: bands, a meander, a frieze of mirrored figures, rays, crackle."""
+    rng, shape = on
     height, width = shape
     share = np.zeros(shape, dtype=np.float32)
     y, x = cell_grid(shape, 1, 1)
@@ -126,10 +126,9 @@ def amphora(
     return np.asarray(color * (1 - crackle)[..., None] * grained(rng, shape, 0.15))
 
 
-def dial(
-    rng: np.random.Generator, shape: Shape, *, base: str = "#4a4d50", mark: str = "#e8e4d8", ticks: int = 72
-) -> Plane:
+def dial(on: Canvas, *, base: str = "#4a4d50", mark: str = "#e8e4d8", ticks: int = 72) -> Plane:
     """A turntable from above: rings and degree marks in the inscribed circle."""
+    rng, shape = on
     y, x = cell_grid(shape, 2, 2)
     y, x = y - 1, x - 1
     radius, turn = np.sqrt(x * x + y * y), np.arctan2(y, x).astype(np.float32) / np.float32(2 * np.pi)
@@ -142,10 +141,9 @@ def dial(
     return mix(color, rgb(mark), lines.astype(np.float32))
 
 
-def ruler(
-    rng: np.random.Generator, shape: Shape, *, base: str = "#ddd6bd", mark: str = "#161616", ticks: int = 30
-) -> Plane:
+def ruler(on: Canvas, *, base: str = "#ddd6bd", mark: str = "#161616", ticks: int = 30) -> Plane:
     """A scale along x: bars of one unit, black and white, above a line of ticks."""
+    rng, shape = on
     y, x = cell_grid(shape, 1, ticks)
     unit = x.astype(np.intp)
     bars = (y < 0.45) & (unit % 2 == 0)

@@ -72,7 +72,7 @@ def generate(description: str) -> Image:
         raise InvalidScene(f"unknown texture {name!r}: choose one of {', '.join(GENERATORS)}")
     generator = GENERATORS[name]
     signature = inspect.signature(generator).parameters
-    random = "rng" in signature
+    random = "on" in signature
     defaults: dict[str, Any] = {
         key: parameter.default
         for key, parameter in signature.items()
@@ -84,7 +84,7 @@ def generate(description: str) -> Image:
     if random:
         seed, size = given.pop("seed", 0), given.pop("size", _DEFAULT_SIZE)
         shape = (given.pop("height", size), given.pop("width", size))
-        color = generator(np.random.default_rng(seed), shape, **given)
+        color = generator(surfaces.Canvas(np.random.default_rng(seed), shape), **given)
     else:
         _check_texels(name, defaults | given)
         color = generator(**given)

@@ -1,16 +1,27 @@
 """Surfaces that textures are made of, colours (H, W, 3) between 0 and 1; all of them tile.
 
-Each takes a generator and a shape, then parameters by keyword; those whose default is `#rrggbb` are
+Each takes a canvas, then parameters by keyword; those whose default is `#rrggbb` are
 colours.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
 from rigsim.sim.noise import Plane, cellular, fractal, mix, smoothstep, value_noise, warp
 
 Shape = tuple[int, int]
+
+
+class Canvas(NamedTuple):
+    """What a texture is painted with and on."""
+
+    rng: np.random.Generator
+    """Its random numbers."""
+    shape: Shape
+    """Rows and columns, texels."""
 
 
 def rgb(color: str) -> Plane:
@@ -32,10 +43,9 @@ def cell_grid(shape: Shape, rows: int, cols: int) -> tuple[Plane, Plane]:
     return y, x
 
 
-def plaster(
-    rng: np.random.Generator, shape: Shape, *, base: str = "#b9b2a4", contrast: float = 0.09
-) -> Plane:
+def plaster(on: Canvas, *, base: str = "#b9b2a4", contrast: float = 0.09) -> Plane:
     """Roughcast, paint or stone: blotches, grain and darker pits."""
+    rng, shape = on
     stains = fractal(rng, shape, (2, 2), 5)
     pits = smoothstep(1.1, 1.9, fractal(rng, shape, (shape[0] // 16, shape[1] // 16), 3, gain=0.8))
     tone = (1 - np.float32(3.0 * contrast) * pits + np.float32(0.5 * contrast) * stains)[..., None]
@@ -43,8 +53,7 @@ def plaster(
 
 
 def terrazzo(
-    rng: np.random.Generator,
-    shape: Shape,
+    on: Canvas,
     *,
     base: str = "#a8a39a",
     chip: str = "#6b5a4c",
@@ -53,6 +62,7 @@ def terrazzo(
     grain: float = 0.08,
 ) -> Plane:
     """Chips of stone of many tones in a matrix."""
+    rng, shape = on
     first, second, owner = cellular(rng, shape, (cells, cells))
     tone = rng.random((cells * cells,), dtype=np.float32)[owner]
     inside = smoothstep(0.08, 0.2, second - first) * smoothstep(0.25, 0.4, tone)
@@ -62,8 +72,7 @@ def terrazzo(
 
 
 def bricks(
-    rng: np.random.Generator,
-    shape: Shape,
+    on: Canvas,
     *,
     base: str = "#9a5a44",
     mortar: str = "#b5aa9a",
@@ -72,6 +81,7 @@ def bricks(
     contrast: float = 0.3,
 ) -> Plane:
     """Running bond; every brick has its own tone."""
+    rng, shape = on
     y, x = cell_grid(shape, rows, cols)
     row = y.astype(np.intp)
     x = x + np.float32(0.5) * (row % 2)
@@ -85,8 +95,7 @@ def bricks(
 
 
 def tiles(
-    rng: np.random.Generator,
-    shape: Shape,
+    on: Canvas,
     *,
     base: str = "#a9a79f",
     grout: str = "#5d5a55",
@@ -96,17 +105,17 @@ def tiles(
     joint: float = 0.012,
 ) -> Plane:
     """Square slabs of speckled stone with dark joints."""
+    rng, shape = on
     y, x = cell_grid(shape, rows, cols)
     tone = rng.random((rows, cols), dtype=np.float32)[y.astype(np.intp), x.astype(np.intp)]
     edge = np.minimum(0.5 - np.abs(y % 1 - 0.5), 0.5 - np.abs(x % 1 - 0.5))
-    stone = terrazzo(rng, shape, base=base, chip=base, cells=64, contrast=0.5, grain=0.1)
+    stone = terrazzo(on, base=base, chip=base, cells=64, contrast=0.5, grain=0.1)
     stone = stone * (1 + np.float32(contrast) * (tone - np.float32(0.5)) * 2)[..., None]
     return mix(rgb(grout) * grained(rng, shape, 0.1), stone, smoothstep(joint, 1.8 * joint, edge))
 
 
 def wood(
-    rng: np.random.Generator,
-    shape: Shape,
+    on: Canvas,
     *,
     base: str = "#b98a55",
     dark: str = "#6b4423",
@@ -114,6 +123,7 @@ def wood(
     contrast: float = 1.0,
 ) -> Plane:
     """Boards along x with growth rings, fibres and seams."""
+    rng, shape = on
     height, width = shape
     y, _ = cell_grid(shape, planks, 1)
     plank = y.astype(np.intp)[:, 0]
@@ -131,10 +141,9 @@ def wood(
     return np.asarray(color * tone[:, None, None] * grained(rng, shape, 0.06))
 
 
-def bark(
-    rng: np.random.Generator, shape: Shape, *, base: str = "#7a6653", dark: str = "#2e241c", ridges: int = 16
-) -> Plane:
+def bark(on: Canvas, *, base: str = "#7a6653", dark: str = "#2e241c", ridges: int = 16) -> Plane:
     """Ridges along x with dark furrows, scales and patches of lichen."""
+    rng, shape = on
     relief = fractal(rng, shape, (ridges, max(ridges // 4, 1)), 5, gain=0.65)
     sway = np.float32(shape[0] / 40) * fractal(rng, shape, (8, 8), 3)
     furrow = warp(np.abs(relief), sway, sway)
@@ -145,8 +154,7 @@ def bark(
 
 
 def leaves(
-    rng: np.random.Generator,
-    shape: Shape,
+    on: Canvas,
     *,
     base: str = "#4d7034",
     dark: str = "#141f10",
@@ -158,6 +166,7 @@ def leaves(
 
     `length` is that of the longest as a share of the texture's width.
     """
+    rng, shape = on
     height, width = shape
     color = rgb(dark) * grained(rng, shape, 0.3)
     reach = max(int(length * width / 2), 2)
@@ -205,8 +214,7 @@ def _copies(at: int, size: int, reach: int) -> list[int]:
 
 
 def metal(
-    rng: np.random.Generator,
-    shape: Shape,
+    on: Canvas,
     *,
     base: str = "#8f9499",
     brushed: float = 0.12,
@@ -214,6 +222,7 @@ def metal(
     rust: str = "#5a3a26",
 ) -> Plane:
     """Brushed along x, scratched, with stains."""
+    rng, shape = on
     lines = fractal(rng, shape, (shape[0] // 2, 4), 3, gain=0.8)
     scratches = smoothstep(1.9, 2.3, fractal(rng, shape, (shape[0] // 4, 8), 2))
     stains = smoothstep(0.7, 1.6, fractal(rng, shape, (8, 8), 6, gain=0.75))
@@ -223,8 +232,7 @@ def metal(
 
 
 def paint(
-    rng: np.random.Generator,
-    shape: Shape,
+    on: Canvas,
     *,
     base: str = "#c8a02a",
     under: str = "#5b5148",
@@ -232,12 +240,14 @@ def paint(
     grain: float = 0.1,
 ) -> Plane:
     """Worn paint: chips that show what is under it, dust and grain."""
+    rng, shape = on
     chips = smoothstep(2.5 - wear, 2.6 - wear, fractal(rng, shape, (8, 8), 6, gain=0.7))
     return np.asarray(mix(rgb(base), rgb(under), chips) * grained(rng, shape, grain))
 
 
-def carbon(rng: np.random.Generator, shape: Shape, *, base: str = "#34373b", cells: int = 32) -> Plane:
+def carbon(on: Canvas, *, base: str = "#34373b", cells: int = 32) -> Plane:
     """Twill weave of carbon fibre."""
+    rng, shape = on
     y, x = cell_grid(shape, cells, cells)
     iy, ix = y.astype(np.intp), x.astype(np.intp)
     warp_up = (iy + ix) % 4 < 2
@@ -246,30 +256,32 @@ def carbon(rng: np.random.Generator, shape: Shape, *, base: str = "#34373b", cel
     return np.asarray(rgb(base) * tone[..., None].astype(np.float32) * grained(rng, shape, 0.12))
 
 
-def cardboard(rng: np.random.Generator, shape: Shape, *, base: str = "#b08a5e") -> Plane:
+def cardboard(on: Canvas, *, base: str = "#b08a5e") -> Plane:
     """Fibres and the faint lines of the flutes."""
+    rng, shape = on
     y, _ = cell_grid(shape, 64, 1)
     flutes = np.float32(0.05) * (np.abs(y % 1 - np.float32(0.5)) - np.float32(0.25))
     fibres = np.float32(0.05) * fractal(rng, shape, (shape[0] // 8, shape[1] // 16), 3, gain=0.8)
     return np.asarray(rgb(base) * (1 + flutes + fibres)[..., None] * grained(rng, shape, 0.08))
 
 
-def cork(rng: np.random.Generator, shape: Shape, *, base: str = "#b08455", dark: str = "#5f3f22") -> Plane:
+def cork(on: Canvas, *, base: str = "#b08455", dark: str = "#5f3f22") -> Plane:
     """Granules of cork."""
+    rng, shape = on
     _, _, owner = cellular(rng, shape, (64, 64))
     tone = rng.random(64 * 64, dtype=np.float32)[owner]
     return np.asarray(mix(rgb(base), rgb(dark), smoothstep(0.55, 1.0, tone)) * grained(rng, shape, 0.14))
 
 
-def clouds(rng: np.random.Generator, shape: Shape, *, base: str = "#8fb0d0", white: str = "#e8ecef") -> Plane:
+def clouds(on: Canvas, *, base: str = "#8fb0d0", white: str = "#e8ecef") -> Plane:
     """A clouded sky."""
+    rng, shape = on
     cover = smoothstep(-0.8, 1.2, fractal(rng, shape, (2, 2), 7, gain=0.6))
     return mix(rgb(base), rgb(white), cover)
 
 
-def speckle(
-    rng: np.random.Generator, shape: Shape, *, base: str = "#808080", contrast: float = 0.35
-) -> Plane:
+def speckle(on: Canvas, *, base: str = "#808080", contrast: float = 0.35) -> Plane:
     """Plain noise, equally strong at every scale: what a matcher likes best."""
+    rng, shape = on
     noise = fractal(rng, shape, (4, 4), 12, gain=0.95) + value_noise(rng, shape, shape)
     return np.asarray(rgb(base) * (1 + np.float32(contrast) * noise)[..., None])

@@ -19,6 +19,7 @@ from rigsim.rig.arrays import Array, Ids
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
+from rigsim.statistics import abs_p95
 from rigsim.theory.inverse import Requirement
 from rigsim.theory.triangulation import triangulate
 
@@ -162,7 +163,7 @@ def _p95_m(points_left: Array, scale: Array, sight: Sight, rng: np.random.Genera
     noisy_left, noisy_right = sight.noise.apply(uv_left, uv_right, rng)
     found = triangulate(sight.rig, noisy_left.reshape(-1, 2), noisy_right.reshape(-1, 2))[:, 2]
     error_m = np.abs(found.reshape(shape[:2]) - points_left[:, 2]) / scale
-    return float(np.quantile(np.where(np.isfinite(error_m), error_m, math.inf), 0.95))
+    return abs_p95(np.where(np.isfinite(error_m), error_m, math.inf))
 
 
 def _with_measured(held: Check, sight: Sight) -> Check:
@@ -179,7 +180,7 @@ def _with_measured(held: Check, sight: Sight) -> Check:
     if asked.per_std == 1:
         size_m = math.sqrt(float(np.mean(error_m**2)) / float(np.mean(scale**2)))
     else:
-        size_m = float(np.quantile(np.abs(error_m) / scale, 0.95))
+        size_m = abs_p95(error_m / scale)
     places = frozenset(np.flatnonzero(kept).tolist())
     return replace(held, measured=size_m, n_measured=len(places), matches=places)
 

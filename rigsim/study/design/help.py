@@ -22,7 +22,7 @@ from rigsim.study.tolerance.sensitivities import (
     shared_points,
     with_values,
 )
-from rigsim.study.tolerance.session import Recalibration
+from rigsim.study.tolerance.session import Build, Recalibration
 
 _TIGHTER = 10.0
 _HELD = " held to a tenth of what the class holds"
@@ -81,12 +81,14 @@ def attempts(
     for change in _changes(specification, pick, best, required, others):
         try:
             count = count_good(
-                change.rig,
-                change.tolerances,
+                Build(
+                    change.rig,
+                    change.tolerances,
+                    change.noise_px,
+                    change.session if best.recalibrated else None,
+                ),
                 required,
                 range_m,
-                noise_px=change.noise_px,
-                recalibration=change.session if best.recalibrated else None,
                 sizes=RECALIBRATED[:1] if best.recalibrated else AS_BUILT[:1],
                 seed=seed,
             )

@@ -19,6 +19,7 @@ from rigsim.rig.noise import PixelNoise
 from rigsim.rig.remark import Remark
 from rigsim.rig.sensor import Sensor
 from rigsim.sim.simulator import Simulator
+from rigsim.statistics import rms, robust_rms
 from rigsim.study.design import words as words
 from rigsim.study.design.checks import FEWEST_MATCHES, nearest_points
 from rigsim.study.design.solve import Candidate, Design, Specification, solve
@@ -36,7 +37,6 @@ AGREES = 0.1
 MANY_PIXELS = 4e6
 """Larger pictures are drawn with one sample a pixel: a proof must not take a minute."""
 _STARTS_PX = (0.05, 0.0125, 0.003)  # less when no rig meets the requirements with it
-_MAD = 1.4826  # standard deviation over median absolute value, of a normal error
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,11 +179,11 @@ def measured_noise_px(measured: Measured, range_m: tuple[float, float], depths_m
     if good.sum() < FEWEST_MATCHES:
         return math.nan
     depth_m, error_px = depth_m[good], measured.disparity_error_px[good]
-    found = [_MAD * float(np.median(np.abs(error_px)))]
+    found = [robust_rms(error_px)]
     for at_m in depths_m:
         near = nearest_points(depth_m, at_m, FEWEST_MATCHES)
         if len(near):
-            found.append(math.sqrt(float(np.mean(error_px[near] ** 2))))
+            found.append(rms(error_px[near]))
     return max(found) / math.sqrt(2)
 
 

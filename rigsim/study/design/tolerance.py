@@ -16,7 +16,7 @@ from rigsim.study.design import words as words
 from rigsim.study.design.help import Attempt, Best, attempts, help_sentence
 from rigsim.study.design.solve import Candidate, Specification
 from rigsim.study.tolerance.count import Count, count_good
-from rigsim.study.tolerance.run import Recalibration, ToleranceResult, run_tolerance
+from rigsim.study.tolerance.run import Build, Recalibration, ToleranceResult, run_tolerance
 from rigsim.study.tolerance.sensitivities import CLASSES, QUANTITIES, UNITS, Requirement
 from rigsim.theory.inverse import Requirement as Asked
 
@@ -89,11 +89,9 @@ def design_tolerance(
     session = Recalibration(noise_px=noise_px)
     try:
         result = run_tolerance(
-            rig,
-            CLASSES[class_name].tolerances(rig),
+            Build(rig, CLASSES[class_name].tolerances(rig), noise_px),
             required,
             range_m,
-            noise_px=noise_px,
             n_rigs=_RIGS,
             n_points=_POINTS,
             seed=seed,
@@ -104,12 +102,9 @@ def design_tolerance(
                 name,
                 *(
                     count_good(
-                        rig,
-                        built.tolerances(rig),
+                        Build(rig, built.tolerances(rig), noise_px, recalibration),
                         required,
                         range_m,
-                        noise_px=noise_px,
-                        recalibration=recalibration,
                         seed=seed,
                     )
                     for recalibration in (None, session)

@@ -19,6 +19,7 @@ from rigsim.errors import InvalidRange
 from rigsim.rig.arrays import Array
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
+from rigsim.statistics import rms
 from rigsim.study.infer.bias import BiasPart, Gain, bias_share, split_bias
 from rigsim.study.infer.noise import (
     FEWEST,
@@ -208,7 +209,7 @@ def _bias(
         scale=float(fit.values[1]) if both else math.nan,
         scale_se=float(fit.ses[1]) if both else math.nan,
         reach=fit.reach,
-        left_rms_m=float(np.sqrt(np.mean((left_px * errors.stds_m / stds_px) ** 2))),
+        left_rms_m=rms(left_px * errors.stds_m / stds_px),
         share=bias_share(errors.depths_m, errors.stds_m, errors.biases_m),
     )
 

@@ -11,6 +11,7 @@ import numpy as np
 from rigsim.pixels.dense.quality import DepthQuality
 from rigsim.rig.arrays import AnyImage, Array, Ids, Image, Mask
 from rigsim.rig.stereo import StereoRig
+from rigsim.statistics import rms
 from rigsim.study.measure.truth import DenseErrors, MatchErrors
 
 Target = tuple[int, int, int, int]
@@ -79,7 +80,7 @@ class PairMatches:
     def epipolar_rms_px(self) -> float:
         """Root mean square of `epipolar_px`; NaN when no match tells."""
         known = self.epipolar_px[np.isfinite(self.epipolar_px)]
-        return math.sqrt(float(np.mean(known**2))) if len(known) else math.nan
+        return rms(known)
 
     @property
     def epipolar_median_px(self) -> float:
@@ -109,7 +110,7 @@ class PairMatches:
     @property
     def predicted_rms_px(self) -> float:
         """Root mean square of `disparity_std_px`."""
-        return math.sqrt(float(np.mean(self.disparity_std_px**2)))
+        return rms(self.disparity_std_px)
 
 
 @dataclass(frozen=True, slots=True)

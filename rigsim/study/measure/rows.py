@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rigsim.rig.stereo import StereoRig
+from rigsim.statistics import robust_rms
 from rigsim.study.measure.result import Finding, PairMatches
 
 LOW_SHARE = 0.08
@@ -100,7 +101,7 @@ def fit_rows(matches: PairMatches) -> RowFit:
             off = np.abs(offset - J @ fitted)
             weight = np.sqrt(_HUBER_PX / np.maximum(off, _HUBER_PX))
             fitted = np.linalg.lstsq(J * weight[:, None], offset * weight, rcond=None)[0]
-    scatter = 1.4826 * float(np.median(np.abs(offset - J @ fitted)))
+    scatter = robust_rms(offset - J @ fitted)
     se = 1.25 * scatter / math.sqrt(max(n / _OVERLAP[matches.kind], 1.0))
     return RowFit(n, float(fitted[0]), se, float(fitted[1]), float(fitted[2]), half_width, half_height)
 

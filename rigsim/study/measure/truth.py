@@ -23,6 +23,7 @@ from rigsim.pixels.dense.regions import DISPARITY_GAP_PX, regions
 from rigsim.pixels.images import grey
 from rigsim.rig.arrays import AnyImage, Array
 from rigsim.rig.stereo import StereoRig
+from rigsim.statistics import rms
 
 OUTLIER_PX = 3.0
 """A disparity further off than this is a wrong match, not an inaccurate one."""
@@ -156,7 +157,7 @@ def _depth_errors(disparity: Array, truth: Array, rig: StereoRig) -> DepthErrors
 def _trimmed_rms(values: Array) -> float:
     cut = int(len(values) * _TRIMMED)
     kept = np.sort(values)[cut : len(values) - cut]
-    return math.sqrt(float(np.mean(kept**2)))
+    return rms(kept)
 
 
 def _inlier_std(error: Array) -> float:

@@ -66,16 +66,41 @@ class DatasetFrame:
         return rays * depth[v, u][:, None], np.repeat(grey.astype(np.uint8)[:, None], 3, axis=1)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Views:
+    """Which views of a scene are taken.
+
+    Raises:
+        InvalidRange: a number out of bounds.
+    """
+
+    count: int
+    """How many frames."""
+    seed: int
+    """Of viewpoints and noise."""
+    move_m: float | None = None
+    """Farthest move along each axis; by default `MOVE_SHARE` of the first frame's median depth."""
+    turn_deg: float = TURN_DEG
+    """Farthest turn about each axis."""
+    nearest_m: float = 0.0
+    """Views of something nearer are drawn again, but for the first frame's."""
+
+    def __post_init__(self) -> None:
+        extent.FRAMES.check(self.count)
+        if self.seed < 0:
+            raise InvalidRange(f"seed {self.seed}: must be >= 0")
+        if not 0 <= self.turn_deg <= 90:
+            raise InvalidRange(f"turn {self.turn_deg:g} deg: must be >= 0 and <= 90")
+        if self.move_m is not None and not 0 <= self.move_m < math.inf:
+            raise InvalidRange(f"move {self.move_m:g} m: must be >= 0")
+
+    def reach_m(self, median_m: float) -> float:
+        """Farthest move, m, where the first frame's median depth is `median_m`."""
+        return MOVE_SHARE * median_m if self.move_m is None else self.move_m
+
+
 def render_frames(
-    simulator: Simulator,
-    rig: StereoRig,
-    count: int,
-    *,
-    sensor: Sensor,
-    seed: int,
-    move_m: float | None = None,
-    turn_deg: float = TURN_DEG,
-    nearest_m: float = 0.0,
+    simulator: Simulator, rig: StereoRig, views: Views, sensor: Sensor
 ) -> Iterator[DatasetFrame]:
     """Frames of `rig` in the simulator's scene: the first one on the mount, the others moved and turned.
 
@@ -84,59 +109,52 @@ def render_frames(
     Args:
         simulator: the scene and what draws it.
         rig: the rig.
-        count: how many frames.
+        views: how many, and from where.
         sensor: takes the pictures; with 8 to 16 bits.
-        seed: of viewpoints and noise.
-        move_m: farthest move along each axis; by default `MOVE_SHARE` of the first frame's median depth.
-        turn_deg: farthest turn about each axis.
-        nearest_m: views of something nearer are drawn again, but for the first frame's.
 
     Raises:
-        InvalidRange: a number out of bounds.
+        InvalidRange: the sensor has no bits.
         NothingSeen: the rig sees nothing, or no view within reach sees as much.
     """
-    extent.FRAMES.check(count)
-    if seed < 0:
-        raise InvalidRange(f"seed {seed}: must be >= 0")
     if not sensor.bits:
         raise InvalidRange("sensor bits 0: a data set's pictures are whole numbers; give it 8, 10, 12 or 16")
-    if not 0 <= turn_deg <= 90:
-        raise InvalidRange(f"turn {turn_deg:g} deg: must be >= 0 and <= 90")
     simulator.place(rig)
-    share, nearest, median = _view(simulator, rig)
-    if share == 0:
+    first = _view(simulator, rig)
+    if first.share == 0:
         raise NothingSeen(
             f"scene {simulator.scene.name}: the left camera at {simulator.scene.mount} sees nothing; "
             f"the scene has {', '.join(simulator.scene.mounts)} for --mount"
         )
-    reach = MOVE_SHARE * median if move_m is None else move_m
-    if not (math.isfinite(reach) and reach >= 0):
-        raise InvalidRange(f"move {reach:g} m: must be >= 0")
-    for index in range(count):
-        rng = np.random.default_rng((seed, index))
-        for _ in range(_TRIES):
-            shift = rng.uniform(-1, 1, 6) * (0.0 if index == 0 else 1.0)
-            simulator.place(rig, Pose.from_rotvec(np.radians(turn_deg) * shift[:3], reach * shift[3:]))
-            seen, near, _ = _view(simulator, rig)
-            if index and not (
-                seen >= _LEAST_SHARE * share and near >= max(nearest_m, _LEAST_SHARE * nearest)
-            ):
-                continue
-            try:
-                frame = _frame(simulator, rig, index, sensor, rng)
-            except NothingSeen:
-                if index == 0:
-                    raise
-                continue  # a camera went into a surface
-            if index == 0 or not (frame.depth_left < nearest_m).any():
-                break
-        else:
-            raise NothingSeen(
-                f"scene {simulator.scene.name}: of {_TRIES} views within {reach * 1e3:.3g} mm and"
-                f" {turn_deg:g} deg none will do: half of what the mount's sees, and nothing nearer than"
-                f" {max(nearest_m, _LEAST_SHARE * nearest):.3g} m; give a smaller --move or --turn"
-            )
-        yield frame
+    for index in range(views.count):
+        yield _drawn(simulator, rig, index, views, sensor, first)
+
+
+def _drawn(
+    simulator: Simulator, rig: StereoRig, index: int, views: Views, sensor: Sensor, first: _View
+) -> DatasetFrame:
+    """The frame of the first view drawn that will do."""
+    rng = np.random.default_rng((views.seed, index))
+    reach_m = views.reach_m(first.median_m)
+    least_m = max(views.nearest_m, _LEAST_SHARE * first.nearest_m)
+    for _ in range(_TRIES):
+        shift = rng.uniform(-1, 1, 6) * (0.0 if index == 0 else 1.0)
+        simulator.place(rig, Pose.from_rotvec(np.radians(views.turn_deg) * shift[:3], reach_m * shift[3:]))
+        seen = _view(simulator, rig)
+        if index and not (seen.share >= _LEAST_SHARE * first.share and seen.nearest_m >= least_m):
+            continue
+        try:
+            frame = _frame(simulator, rig, index, sensor, rng)
+        except NothingSeen:
+            if index == 0:
+                raise
+            continue  # a camera went into a surface
+        if index == 0 or not (frame.depth_left < views.nearest_m).any():
+            return frame
+    raise NothingSeen(
+        f"scene {simulator.scene.name}: of {_TRIES} views within {reach_m * 1e3:.3g} mm and"
+        f" {views.turn_deg:g} deg none will do: half of what the mount's sees, and nothing nearer than"
+        f" {least_m:.3g} m; give a smaller --move or --turn"
+    )
 
 
 def _frame(
@@ -163,8 +181,16 @@ def _levels(image: AnyImage, sensor: Sensor) -> AnyImage:
     return levels.astype(np.uint16) << np.uint16(16 - sensor.bits)
 
 
-def _view(simulator: Simulator, rig: StereoRig) -> tuple[float, float, float]:
+@dataclass(frozen=True, slots=True)
+class _View:
     """The share of the left image that shows something, its nearest and its median depth, m."""
+
+    share: float
+    nearest_m: float
+    median_m: float
+
+
+def _view(simulator: Simulator, rig: StereoRig) -> _View:
     side = math.isqrt(_PROBES)
     u = np.linspace(0, rig.left.width - 1, side)
     v = np.linspace(0, rig.left.height - 1, side)
@@ -172,5 +198,5 @@ def _view(simulator: Simulator, rig: StereoRig) -> tuple[float, float, float]:
     depth = simulator.points_at(uv)[0][:, 2]
     depth = depth[np.isfinite(depth)]
     if not len(depth):
-        return 0.0, math.inf, math.inf
-    return len(depth) / len(uv), float(depth.min()), float(np.median(depth))
+        return _View(0.0, math.inf, math.inf)
+    return _View(len(depth) / len(uv), float(depth.min()), float(np.median(depth)))

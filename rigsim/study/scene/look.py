@@ -183,18 +183,16 @@ def simulate(
 ) -> tuple[dict[str, Prediction], dict[str, ErrorStatistics]]:
     """Predictions for, and simulated errors of, the points that both cameras see, by the triangulator."""
     points_left = truth.points_left[truth.visible]
-    true_rig, assumed_rig = plan.true_and_assumed(rig)
-    methods = {triangulator_label(method): method for method in plan.triangulators}
+    rigs = plan.true_and_assumed(rig)
     predictions = {
-        label: predict(assumed_rig, points_left, noise, method) for label, method in methods.items()
+        triangulator_label(method): predict(rigs[1], points_left, noise, method)
+        for method in plan.triangulators
     }
     too_far = next(iter(predictions.values())).low_disparity
     stats = run_trials(
-        true_rig,
-        assumed_rig,
+        rigs,
         points_left,
         noise,
-        methods,
         predictions,
         np.where(too_far, -1, bins[truth.visible]).astype(np.int32),
         plan.n_trials,

@@ -14,6 +14,7 @@ from rigsim.rig.arrays import Array, Ids, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.truth.points import Coverage
+from rigsim.statistics import rms
 from rigsim.study.agreement.agreement import Agreement, worst
 from rigsim.study.agreement.claims import measured_agreement
 from rigsim.study.agreement.simulated import Part, compare, image_parts
@@ -158,7 +159,7 @@ def _body(evidence: Evidence, inside: Mask, groups: slice) -> Row:
     if summary is None:
         nothing = dict.fromkeys(ROW_COLUMNS[ROW_COLUMNS.index("depth_median_mm") :], math.nan)
         return row | nothing | _far(evidence, visible_inside & low)
-    predicted_m = _rms(evidence.prediction.depth_rmse_m[kept])
+    predicted_m = rms(evidence.prediction.depth_rmse_m[kept])
     image_m, predicted_image_m = (
         _weighted_rms(each[kept], weight[kept])
         for each in (evidence.stats.depth_rmse_m, evidence.prediction.depth_rmse_m)
@@ -237,10 +238,6 @@ def _joined(body: Row, evidence: Evidence, depth_bin: int | None, simulated: Agr
 def _written(agreement: Agreement) -> Row:
     witness = "" if agreement.kind == "agrees" else agreement.witness
     return {"agreement": agreement.text, "agreement_witness": witness}
-
-
-def _rms(values: Array) -> float:
-    return math.sqrt(float(np.mean(values**2)))
 
 
 def _weighted_rms(values: Array, weight: Array) -> float:

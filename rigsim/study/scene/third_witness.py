@@ -19,6 +19,7 @@ from rigsim.pixels.patches.patches import match_patches
 from rigsim.rig.arrays import Array, Ids, Mask
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
+from rigsim.statistics import abs_p95, nmad, rms
 from rigsim.study.agreement.claims import claim_scale, scale_columns
 from rigsim.study.scene.columns import MEASURED_COLUMNS, Row
 from rigsim.study.scene.pictures import Pictures
@@ -48,8 +49,6 @@ class Measured:
     """Found in the right picture, (N, 2), px."""
     covariance_px2: Array
     """What the measurement claims of (u_left, v_left, u_right, v_right), (N, 4, 4), px^2."""
-    degrees: int
-    """How many of the four numbers were measured: 4 for corners, 1 for a match at a given left pixel."""
     points_left: Array
     """True points, (N, 3), m; NaN where there is none."""
     error_px: Array
@@ -58,6 +57,11 @@ class Measured:
     """Whether the match is of nothing that both cameras see, or more than 3 px of disparity off, (N,)."""
     why: str = ""
     """Why nothing was measured; empty when something was."""
+
+    @property
+    def degrees(self) -> int:
+        """How many of the four numbers were measured: 4 for corners, 1 for a match at a given left pixel."""
+        return 4 if self.method == "corners" else 1
 
     @property
     def disparity_error_px(self) -> Array:
@@ -91,7 +95,6 @@ def measure(
             empty[:, :2],
             empty[:, :2],
             np.empty((0, 4, 4)),
-            1,
             np.empty((0, 3)),
             empty,
             np.empty(0, dtype=bool),
@@ -123,9 +126,7 @@ def _corners(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures:
             distance, nearest = (np.asarray(part) for part in cKDTree(true_left[theirs]).query(uv_left[ours]))
             near = distance < _JOIN_PX
             points_left[ours[near]] = truth.points_left[theirs[nearest[near]]]
-    return _joined(
-        "corners", rig, uv_left, uv_right, covariance, 4, points_left, np.isfinite(points_left[:, 2])
-    )
+    return _joined("corners", rig, uv_left, uv_right, covariance, points_left, np.isfinite(points_left[:, 2]))
 
 
 def _patches(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures: Pictures) -> Measured:
@@ -141,7 +142,6 @@ def _patches(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures:
         uv_left,
         found.observations.uv_right[valid][counted],
         _along_epipolar_lines(assumed, points_left, found.disparity_std_px[valid][counted]),
-        1,
         points_left,
         visible,
     )
@@ -160,12 +160,12 @@ def _dense(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures: P
     counted = ~simulator.on_sky(points_left)
     u, uv_left, uv_right = u[counted], uv_left[counted], uv_right[counted]
     points_left, visible = points_left[counted], visible[counted]
-    joined = _joined("dense", rig, uv_left, uv_right, np.zeros((len(u), 4, 4)), 1, points_left, visible)
+    joined = _joined("dense", rig, uv_left, uv_right, np.zeros((len(u), 4, 4)), points_left, visible)
     # the matcher claims nothing for itself: take what its inliers scatter by, in a way that ignores tails
     error = joined.disparity_error_px[~joined.outlier]
-    std_px = 1.4826 * float(np.median(np.abs(error - np.median(error)))) if len(error) else math.nan
+    std_px = nmad(error)
     covariance = _along_epipolar_lines(assumed, points_left, np.full(len(u), std_px))
-    return _joined("dense", rig, uv_left, uv_right, covariance, 1, points_left, visible)
+    return _joined("dense", rig, uv_left, uv_right, covariance, points_left, visible)
 
 
 def _along_epipolar_lines(rig: StereoRig, points_left: Array, std_px: Array) -> Array:
@@ -185,14 +185,13 @@ def _joined(
     uv_left: Array,
     uv_right: Array,
     covariance_px2: Array,
-    degrees: int,
     points_left: Array,
     visible: Mask,
 ) -> Measured:
     true_left, true_right = rig.project(points_left)
     error_px = np.hstack([uv_left - true_left, uv_right - true_right])
     off = ~(np.abs(error_px[:, 0] - error_px[:, 2]) <= _OUTLIER_PX)
-    return Measured(method, uv_left, uv_right, covariance_px2, degrees, points_left, error_px, off | ~visible)
+    return Measured(method, uv_left, uv_right, covariance_px2, points_left, error_px, off | ~visible)
 
 
 def nothing_measured() -> Row:
@@ -226,7 +225,7 @@ def measured_row(measured: Measured, rig: StereoRig, method: Triangulator, insid
         if measured.degrees == 4
         else float((disparity_error_px**2).mean()) / 2
     )
-    rmse_m, predicted_m = math.sqrt(float((error_m**2).mean())), math.sqrt(float(claimed_m2.mean()))
+    rmse_m, predicted_m = rms(error_m), math.sqrt(float(claimed_m2.mean()))
     return (
         row
         | {
@@ -234,7 +233,7 @@ def measured_row(measured: Measured, rig: StereoRig, method: Triangulator, insid
             "measured_disparity_std_px": float(disparity_error_px.std()),
             "measured_depth_bias_mm": float(error_m.mean()) * 1e3,
             "measured_depth_rmse_mm": rmse_m * 1e3,
-            "measured_depth_abs_p95_mm": float(np.quantile(np.abs(error_m), 0.95)) * 1e3,
+            "measured_depth_abs_p95_mm": abs_p95(error_m) * 1e3,
             "predicted_from_measured_rmse_mm": predicted_m * 1e3,
             "measured_over_predicted": rmse_m / predicted_m if predicted_m > 0 else math.nan,
             "measured_within_3_sigma": float((distance2 <= _THREE_SIGMA[measured.degrees]).mean()),

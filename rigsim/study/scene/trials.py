@@ -36,6 +36,8 @@ _ROWS = 8192
 class Prediction:
     """What should happen to each point, (N,)."""
 
+    method: Triangulator
+    """Who triangulates."""
     depth_rmse_m: Array
     """RMS depth error, m, of the trials that are not at infinity; see `ErrorStatistics.add`."""
     view_bias: Array
@@ -70,6 +72,7 @@ def predict(
     if variance_px2 == 0:
         _, yardstick = predict_views(rig, points_left, PixelNoise(1.0))
     return Prediction(
+        method=method,
         depth_rmse_m=_depth_rmse_m(points_left[:, 2], sigmas),
         view_bias=view_bias,
         view_covariance=view_covariance,
@@ -99,11 +102,9 @@ def _depth_rmse_m(depth_m: Array, sigmas: Array) -> Array:
 
 
 def run_trials(
-    true_rig: StereoRig,
-    assumed_rig: StereoRig,
+    rigs: tuple[StereoRig, StereoRig],
     points_left: Array,
     noise: PixelNoise,
-    triangulators: Mapping[str, Triangulator],
     predictions: Mapping[str, Prediction],
     groups: Ids,
     n_trials: int,
@@ -111,13 +112,22 @@ def run_trials(
 ) -> dict[str, ErrorStatistics]:
     """Project, add noise, triangulate and compare, `n_trials` times for each point (N, 3) m.
 
-    Every triangulator, by its label, gets the same noisy pixels, and is held to its prediction. `groups` (N,)
-    sorts the points for the histogram.
+    Every triangulator, by its label, gets the same noisy pixels, and is held to its prediction.
     Memory stays bounded whatever `n_trials` is.
+
+    Args:
+        rigs: the true one and the assumed one.
+        points_left: the points.
+        noise: of the pixels.
+        predictions: of each triangulator, by its label.
+        groups: sort the points for the histogram, (N,).
+        n_trials: how often.
+        rng: random numbers.
     """
     n = len(points_left)
     n_groups = int(groups.max(initial=-1)) + 1
-    result = {label: ErrorStatistics(n, groups, n_groups) for label in triangulators}
+    result = {label: ErrorStatistics(n, groups, n_groups) for label in predictions}
+    true_rig, assumed_rig = rigs
     uv_left, uv_right = true_rig.project(points_left)
     true_views = views(points_left)
     for size in _blocks(n_trials, n):
@@ -125,12 +135,11 @@ def run_trials(
             np.broadcast_to(uv_left, (size, n, 2)), np.broadcast_to(uv_right, (size, n, 2)), rng
         )
         flat_left, flat_right = noisy_left.reshape(-1, 2), noisy_right.reshape(-1, 2)
-        for label, method in triangulators.items():
-            found_left = triangulate(assumed_rig, flat_left, flat_right, method)
+        for label, predicted in predictions.items():
+            found_left = triangulate(assumed_rig, flat_left, flat_right, predicted.method)
             found_left = found_left.reshape(size, n, 3)
             with np.errstate(all="ignore"):
                 error_view = views(found_left) - true_views
-            predicted = predictions[label]
             result[label].add(
                 found_left - points_left, error_view, predicted.whitening, predicted.depth_sigmas
             )

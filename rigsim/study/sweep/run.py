@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pandas as pd
@@ -15,8 +15,8 @@ from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
 from rigsim.study.agreement.agreement import reason_of
-from rigsim.study.scene.columns import AXES, DEPTH_COLUMNS, ROW_COLUMNS, Row, Showcase
-from rigsim.study.scene.look import Look, far_limit_m, look, simulate
+from rigsim.study.scene.columns import AXES, DEPTH_COLUMNS, ROW_COLUMNS, Showcase
+from rigsim.study.scene.look import Look, Outcome, far_limit_m, look, simulate
 from rigsim.study.scene.pictures import without_noise
 from rigsim.study.scene.plan import Plan, RigGrid, triangulator_label
 from rigsim.study.scene.provenance import simulator_provenance
@@ -25,7 +25,6 @@ from rigsim.study.sweep.advice import advise
 from rigsim.study.sweep.choice import rank
 from rigsim.study.sweep.processes import run_all
 from rigsim.study.sweep.result import SweepResult, Verdict
-from rigsim.study.sweep.symptoms import Fault
 from rigsim.theory.triangulation import resolve
 
 
@@ -67,35 +66,61 @@ def sweep(
         plan.true_and_assumed(next(iter(todo)))  # fail before anything is drawn
     if plan.range_m is None:
         plan = replace(plan, far_limit_m=far_limit_m(todo, plan.noises))
-    beyond_fraction = 0.0
-    rows: list[Row] = []
-    by_depth: list[Row] = []
-    faults: list[Fault | None] = []
-    done: list[StereoRig] = []
-    remarks: dict[str, Remark] = {}
     with Simulator(plan.scene, plan.mount, plan.renderer) as simulator:
-        complete = True
-        outcomes = run_all(todo, plan, min(jobs, len(todo)), simulator)
-        try:
-            for rig, outcome in zip(todo, outcomes, strict=True):
-                rows.extend(outcome.rows)
-                by_depth.extend(outcome.by_depth)
-                beyond_fraction = max(beyond_fraction, outcome.beyond_fraction)
-                remarks = {remark.code: remark for remark in outcome.remarks} | remarks
-                faults.extend(outcome.faults)
-                done.append(rig)
-                if progress:
-                    progress(len(done))
-        except KeyboardInterrupt:
-            outcomes.close()
-            if not done:
-                raise
-            complete = False
+        done = _run_all(todo, plan, min(jobs, len(todo)), simulator, progress)
         lens_note = rigs.lens_note if isinstance(rigs, RigGrid) else ""
-        result = _conclude(
-            rows, by_depth, faults, done, plan, simulator, lens_note, complete, beyond_fraction
-        )
-        return replace(result, remarks=tuple(remarks.values()))
+        return _conclude(done, plan, simulator, lens_note)
+
+
+@dataclass(slots=True)
+class _Done:
+    """What is done of a sweep so far."""
+
+    results: list[tuple[StereoRig, Outcome]] = field(default_factory=list)
+    complete: bool = True
+
+    @property
+    def rigs(self) -> list[StereoRig]:
+        return [rig for rig, _ in self.results]
+
+    @property
+    def outcomes(self) -> list[Outcome]:
+        return [outcome for _, outcome in self.results]
+
+    @property
+    def beyond_fraction(self) -> float:
+        return max((outcome.beyond_fraction for outcome in self.outcomes), default=0.0)
+
+    @property
+    def remarks(self) -> tuple[Remark, ...]:
+        """One of each code, the latest first."""
+        found: dict[str, Remark] = {}
+        for outcome in self.outcomes:
+            found = {remark.code: remark for remark in outcome.remarks} | found
+        return tuple(found.values())
+
+
+def _run_all(
+    todo: RigGrid | list[StereoRig],
+    plan: Plan,
+    jobs: int,
+    simulator: Simulator,
+    progress: Callable[[int], None] | None,
+) -> _Done:
+    """Run the rigs until all are done or somebody interrupts."""
+    done = _Done()
+    outcomes = run_all(todo, plan, jobs, simulator)
+    try:
+        for rig, outcome in zip(todo, outcomes, strict=True):
+            done.results.append((rig, outcome))
+            if progress:
+                progress(len(done.results))
+    except KeyboardInterrupt:
+        outcomes.close()
+        if not done.results:
+            raise
+        done.complete = False
+    return done
 
 
 def _rigs(rigs: object) -> list[StereoRig]:
@@ -103,27 +128,18 @@ def _rigs(rigs: object) -> list[StereoRig]:
     return [given.a(StereoRig, rig, "a StereoRig, several, or a RigGrid") for rig in given.several(rigs)]
 
 
-def _conclude(
-    rows: list[Row],
-    by_depth: list[Row],
-    faults: list[Fault | None],
-    rigs: list[StereoRig],
-    plan: Plan,
-    simulator: Simulator,
-    lens_note: str,
-    complete: bool,
-    beyond_fraction: float,
-) -> SweepResult:
+def _conclude(done: _Done, plan: Plan, simulator: Simulator, lens_note: str) -> SweepResult:
+    rows = [row for outcome in done.outcomes for row in outcome.rows]
+    by_depth = [row for outcome in done.outcomes for row in outcome.by_depth]
     table = pd.DataFrame(rows, columns=list(ROW_COLUMNS))
     depth_table = pd.DataFrame(by_depth, columns=list(DEPTH_COLUMNS))
     order = rank(table, depth_table)
     if not order:
         where = f"scene {simulator.scene.name}: "
         reasons = dict.fromkeys(reason_of(str(text)).removeprefix(where) for text in table["agreement"])
-        raise InvalidScene(
-            f"{where}no rig has a result ({'; '.join(list(reasons)[:3])}): {advise(simulator, rigs, plan)}"
-        )
-    far_words = words.far_limit_words(plan.far_limit_m, beyond_fraction)
+        why = "; ".join(list(reasons)[:3])
+        raise InvalidScene(f"{where}no rig has a result ({why}): {advise(simulator, done.rigs, plan)}")
+    far_words = words.far_limit_words(plan.far_limit_m, done.beyond_fraction)
     swept = words.swept_axes(table, ("baseline_mm", "hfov_deg", "width_px") if lens_note else AXES)
     per_rig = len(plan.noises) * len(plan.triangulators) * len(plan.sensors)
     return SweepResult(
@@ -133,9 +149,9 @@ def _conclude(
         best=order,
         limits=words.limits(table),
         lens_note=lens_note,
-        showcase=_showcase(simulator, rigs[order[0] // per_rig], order[0], plan),
+        showcase=_showcase(simulator, done.rigs[order[0] // per_rig], order[0], plan),
         verdict=_with_rigs(
-            words.judge(table, depth_table, swept, order, lens_note, complete, far_words), plan
+            words.judge(table, depth_table, swept, order, lens_note, done.complete, far_words), plan
         ),
         provenance={
             **simulator_provenance(simulator),
@@ -145,8 +161,9 @@ def _conclude(
             **plan.extra,
         },
         far_limit_m=plan.far_limit_m if far_words else math.inf,
-        complete=complete,
-        faults=tuple(faults),
+        complete=done.complete,
+        faults=tuple(fault for outcome in done.outcomes for fault in outcome.faults),
+        remarks=done.remarks,
     )
 
 

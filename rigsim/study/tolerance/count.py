@@ -17,8 +17,8 @@ from rigsim.study.tolerance.compensator import Compensator
 from rigsim.study.tolerance.inputs import Causes
 from rigsim.study.tolerance.judge import Judge, make_judge
 from rigsim.study.tolerance.needed import GOOD
-from rigsim.study.tolerance.sensitivities import Requirement, Tolerances, causes, shared_points
-from rigsim.study.tolerance.session import Recalibration, make_compensator
+from rigsim.study.tolerance.sensitivities import Requirement, causes, shared_points
+from rigsim.study.tolerance.session import Build, make_compensator
 
 AS_BUILT = (4000, 12_000)
 """Rigs that are built, and how many more where the first do not tell."""
@@ -69,34 +69,29 @@ class Count:
 
 
 def count_good(
-    rig: StereoRig,
-    tolerances: Tolerances,
+    build: Build,
     required: Requirement,
     range_m: tuple[float, float],
     *,
-    noise_px: float,
-    recalibration: Recalibration | None = None,
     sizes: Sequence[int] | None = None,
     seed: int = 0,
 ) -> Count:
     """Build rigs within tolerance, and count those that meet the requirement with their pixel noise.
 
     Args:
-        rig: the assumed rig.
-        tolerances: what a built one may be off by.
+        build: what is built, and how it is used; a recalibration knows nothing beforehand.
         required: depth error and distance.
         range_m: near and far end, for the recalibration.
-        noise_px: standard deviation of one pixel coordinate, px.
-        recalibration: what each rig is recalibrated on, knowing nothing beforehand; None leaves it out.
         sizes: rigs of each look; the next is taken only where those before do not tell.
         seed: of the random numbers.
 
     Raises:
         InvalidRange: no tolerance, or a depth that not both cameras see.
     """
-    off = causes(rig, tolerances)
+    rig, recalibration = build.rig, build.recalibration
+    off = causes(rig, build.tolerances)
     points = shared_points(rig, required.depth_m, POINTS)
-    judge = make_judge(rig, points, required, noise_px)
+    judge = make_judge(rig, points, required, build.noise_px)
     compensator = None
     if recalibration is not None and not off.after_calibration.all():
         compensator = make_compensator(rig, off, recalibration, range_m)

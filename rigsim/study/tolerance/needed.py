@@ -8,6 +8,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from rigsim.rig.arrays import Array, Ids, Mask
+from rigsim.statistics import rms
 from rigsim.study.tolerance.judge import Judge
 
 GOOD = 0.95
@@ -66,7 +67,7 @@ def _largest_factor(fields: Array, judge: Judge, share: float) -> float:
     if not enough(0.0):
         return 0.0
     # an error of ten times the bound in the root mean square is good for nobody
-    low, high = 0.0, 10 * judge.required.error_m / float(np.sqrt((fields**2).mean()))
+    low, high = 0.0, 10 * judge.required.error_m / rms(fields)
     for _ in range(_ROUNDS):
         middle = (low + high) / 2
         low, high = (middle, high) if enough(middle) else (low, middle)

@@ -15,6 +15,7 @@ from rigsim.study.tolerance.built import DepthErrors, Rigs, depth_errors, draw
 from rigsim.study.tolerance.compensator import Compensator
 from rigsim.study.tolerance.judge import make_judge
 from rigsim.study.tolerance.sensitivities import (
+    Causes,
     Requirement,
     Sensitivity,
     Tolerances,
@@ -22,12 +23,13 @@ from rigsim.study.tolerance.sensitivities import (
     sensitivities,
     shared_points,
 )
-from rigsim.study.tolerance.session import Recalibration, make_compensator
+from rigsim.study.tolerance.session import Build, Recalibration, make_compensator
 
 if TYPE_CHECKING:
     from rigsim.study.tolerance.sobol import Interactions
 
 __all__ = [
+    "Build",
     "DepthErrors",
     "Recalibration",
     "Rigs",
@@ -88,13 +90,10 @@ class ToleranceResult:
 
 
 def run_tolerance(
-    rig: StereoRig,
-    tolerances: Tolerances,
+    build: Build,
     required: Requirement,
     range_m: tuple[float, float],
     *,
-    noise_px: float = 0.0,
-    recalibration: Recalibration | None = None,
     n_rigs: int = 10_000,
     n_points: int = 500,
     seed: int = 0,
@@ -103,12 +102,9 @@ def run_tolerance(
     """Rank the tolerances, build `n_rigs` within them, and count those that meet the requirement.
 
     Args:
-        rig: the assumed rig.
-        tolerances: what a built one may be off by.
+        build: what is built, and how it is used.
         required: depth error and distance.
         range_m: near and far end; the middle is half way.
-        noise_px: standard deviation of one pixel coordinate when rigs measure, px.
-        recalibration: what the compensator has; None leaves it out.
         n_rigs: rigs to build.
         n_points: points over all depths.
         seed: of the random numbers.
@@ -117,25 +113,18 @@ def run_tolerance(
     Raises:
         InvalidRange: no tolerance, a range or count that cannot be, or a depth that not both cameras see.
     """
-    near_m, far_m = range_m
-    if not 0 < near_m < far_m < math.inf:
-        raise InvalidRange(f"range {near_m * 1e3:g}:{far_m * 1e3:g} mm: must be 0 < near < far")
+    depths_m = _depths_m(range_m, required)
     extent.BUILT_RIGS.check(n_rigs)
     extent.JUDGED_POINTS.check(n_points)
-    depths_m = sorted({near_m, (near_m + far_m) / 2, far_m, required.depth_m})
     if n_points < 4 * len(depths_m):
         raise InvalidRange(f"points {n_points}: must be >= {4 * len(depths_m)}, 4 a depth")
-    off = causes(rig, tolerances)
+    rig, noise_px = build.rig, build.noise_px
+    off = causes(rig, build.tolerances)
     per_depth = math.ceil(n_points / len(depths_m))
     planes = {depth: shared_points(rig, depth, per_depth) for depth in depths_m}
     rng = np.random.default_rng(seed)
     built = draw(off, n_rigs, rng)
-    compensators: tuple[Compensator, ...] = ()
-    if recalibration is not None and not off.after_calibration.all():
-        compensators = tuple(
-            make_compensator(rig, off, recalibration, (near_m, far_m), informed=informed)
-            for informed in (False, True)
-        )
+    compensators = _compensators(build, off, range_m)
     judges = [make_judge(rig, points, required, noise_px) for points in planes.values()]
     found = None
     if with_interactions:
@@ -144,9 +133,9 @@ def run_tolerance(
         found = interactions(rig, off, planes[required.depth_m], np.random.default_rng([seed, 1]))
     return ToleranceResult(
         rig,
-        tolerances,
+        build.tolerances,
         required,
-        recalibration,
+        build.recalibration,
         tuple(sensitivities(rig, off, planes, required, noise_px)),
         depth_errors(rig, off, planes, judges, built, compensators, rng),
         found,
@@ -154,4 +143,22 @@ def run_tolerance(
         sum(map(len, planes.values())),
         compensators[0].length_m if compensators else None,
         noise_px,
+    )
+
+
+def _depths_m(range_m: tuple[float, float], required: Requirement) -> list[float]:
+    """Depths at which rigs are judged, near to far."""
+    near_m, far_m = range_m
+    if not 0 < near_m < far_m < math.inf:
+        raise InvalidRange(f"range {near_m * 1e3:g}:{far_m * 1e3:g} mm: must be 0 < near < far")
+    return sorted({near_m, (near_m + far_m) / 2, far_m, required.depth_m})
+
+
+def _compensators(build: Build, off: Causes, range_m: tuple[float, float]) -> tuple[Compensator, ...]:
+    """One that knows nothing beforehand and one that knows the tolerances; none with nothing to do."""
+    if build.recalibration is None or off.after_calibration.all():
+        return ()
+    return tuple(
+        make_compensator(build.rig, off, build.recalibration, range_m, informed=informed)
+        for informed in (False, True)
     )

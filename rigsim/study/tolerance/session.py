@@ -12,7 +12,7 @@ from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance.batch import PARAMETERS
 from rigsim.study.tolerance.compensator import Compensator
-from rigsim.study.tolerance.sensitivities import Causes, scattered_points
+from rigsim.study.tolerance.sensitivities import Causes, Tolerances, scattered_points
 
 MOST_FEATURES = 1000
 """More would take memory and tell nothing new: take more pictures instead."""
@@ -53,6 +53,20 @@ class Recalibration:
     def averaged_px(self) -> float:
         """Standard deviation of one pixel coordinate of a feature over all pictures."""
         return self.noise_px / math.sqrt(self.pictures)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Build:
+    """What is built, and how it is used."""
+
+    rig: StereoRig
+    """The assumed rig."""
+    tolerances: Tolerances
+    """What a built one may be off by."""
+    noise_px: float = 0.0
+    """Standard deviation of one pixel coordinate when rigs measure, px."""
+    recalibration: Recalibration | None = None
+    """What each rig is recalibrated on; None leaves it out."""
 
 
 def make_compensator(

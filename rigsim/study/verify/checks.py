@@ -15,6 +15,7 @@ from scipy import stats
 
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.stereo import StereoRig
+from rigsim.statistics import rms
 from rigsim.study.verify.bound import bound, depth_reach
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.result import Check
@@ -71,7 +72,7 @@ def judge(case: Case, found_left: Array, false_alarm: float) -> Judgement:
         return Judgement(tuple(checks), math.nan, math.nan, math.nan)
     checks.append(_answered(case, truth, answered, false_alarm))
     truth, found, error_px, gain = truth[answered], found[answered], error_px[answered], gain[answered]
-    depth_rms_m = _rms(found[:, 2] - truth[:, 2])
+    depth_rms_m = rms(found[:, 2] - truth[:, 2])
     if case.covariance_px2 is None:
         if len(truth):
             checks.append(_exact(case, truth, found, gain))
@@ -169,16 +170,6 @@ def _noisy(
     nees = float((error_px**2).sum(axis=1).mean()) / sigma_px**2 / 3
     low, high = (float(stats.chi2.ppf(p, 3 * n)) / (3 * n) for p in (false_alarm / 2, 1 - false_alarm / 2))
     low *= bound(case.rig, truth, sigma_px).squares  # rows that noise loses are those with large errors
-    depth_std_m = sigma_px * np.linalg.norm(gain[:, 2], axis=1)
-    # 1/Z follows the disparity in a straight line, so its errors are Gaussian at any distance
-    inverse_depth = (1 / found[:, 2] - 1 / truth[:, 2]) * truth[:, 2] ** 2 / depth_std_m
-    depth = float((inverse_depth**2).mean())
-    depth_high = float(stats.chi2.isf(false_alarm, n)) / n
-    whitened = _whitened(case, truth, error_px) / sigma_px
-    drift = float(np.linalg.norm(whitened.mean(axis=0)))
-    # beyond what chance allows, a triangulator may lean by its second order, sigma_d / d
-    second_order = float(np.mean(np.minimum(1 / depth_reach(case.rig, truth, sigma_px), 1.0)))
-    drift_high = math.sqrt(float(stats.chi2.isf(false_alarm, 3)) / n) + second_order
     worst = WORST_EFFICIENCY
     return math.sqrt(nees), [
         Check(
@@ -191,23 +182,8 @@ def _noisy(
             f"its chi-squared interval over {n} rows is too good to be true, more than {worst:g} times it a "
             "triangulator that wastes what the pixels say.",
         ),
-        Check(
-            "depth",
-            math.sqrt(depth),
-            0.0,
-            worst * math.sqrt(depth_high),
-            "",
-            f"Root mean square depth error over its bound; at most {worst:g} times a chi-squared quantile.",
-        ),
-        Check(
-            "unbiased",
-            drift,
-            0.0,
-            drift_high,
-            "sigma",
-            f"Mean error of {n} rows in standard deviations of one: a chi-squared quantile, and the second "
-            "order of the noise.",
-        ),
+        _noisy_depth(truth, found, sigma_px * np.linalg.norm(gain[:, 2], axis=1), false_alarm),
+        _unbiased(case, truth, error_px, sigma_px, false_alarm),
         Check(
             "efficient",
             math.sqrt(nees),
@@ -220,15 +196,45 @@ def _noisy(
     ]
 
 
+def _noisy_depth(truth: Array, found: Array, depth_std_m: Array, false_alarm: float) -> Check:
+    n, worst = len(truth), WORST_EFFICIENCY
+    # 1/Z follows the disparity in a straight line, so its errors are Gaussian at any distance
+    inverse_depth = (1 / found[:, 2] - 1 / truth[:, 2]) * truth[:, 2] ** 2 / depth_std_m
+    return Check(
+        "depth",
+        math.sqrt(float((inverse_depth**2).mean())),
+        0.0,
+        worst * math.sqrt(float(stats.chi2.isf(false_alarm, n)) / n),
+        "",
+        f"Root mean square depth error over its bound; at most {worst:g} times a chi-squared quantile.",
+    )
+
+
+def _unbiased(case: Case, truth: Array, error_px: Array, sigma_px: float, false_alarm: float) -> Check:
+    n = len(truth)
+    whitened = _whitened(case, truth, error_px) / sigma_px
+    # beyond what chance allows, a triangulator may lean by its second order, sigma_d / d
+    second_order = float(np.mean(np.minimum(1 / depth_reach(case.rig, truth, sigma_px), 1.0)))
+    return Check(
+        "unbiased",
+        float(np.linalg.norm(whitened.mean(axis=0))),
+        0.0,
+        math.sqrt(float(stats.chi2.isf(false_alarm, 3)) / n) + second_order,
+        "sigma",
+        f"Mean error of {n} rows in standard deviations of one: a chi-squared quantile, and the second "
+        "order of the noise.",
+    )
+
+
 def _measured(
     case: Case, truth: Array, found: Array, error_px: Array, gain: Array, seen_px: Array
 ) -> tuple[float, list[Check]]:
     """Errors against what these very pixel errors must become: nothing here is random."""
     due_m = np.einsum("nij,nj->ni", gain, seen_px)
     due_px = np.einsum("nij,nj->ni", case.rig.jacobian(truth), due_m)
-    size = _rms(error_px) / _rms(due_px)
+    size = rms(error_px) / rms(due_px)
     inverse_depth = (1 / found[:, 2] - 1 / truth[:, 2]) * truth[:, 2] ** 2
-    depth = _rms(inverse_depth) / _rms(due_m[:, 2])
+    depth = rms(inverse_depth) / rms(due_m[:, 2])
     worst = WORST_EFFICIENCY
     why = (
         "over what the errors of these very pixels become in a least-squares triangulation; "
@@ -249,7 +255,3 @@ def _whitened(case: Case, truth: Array, error_px: Array) -> Array:
     values, vectors = np.linalg.eigh(J.transpose(0, 2, 1) @ J)
     along = np.einsum("nji,nj->ni", vectors, np.einsum("nji,nj->ni", J, error_px)) / np.sqrt(values)
     return np.asarray(np.einsum("nij,nj->ni", vectors, along))
-
-
-def _rms(values: Array) -> float:
-    return math.sqrt(float((values**2).mean())) if values.size else math.nan

@@ -181,20 +181,22 @@ def _draw_line(
         axes.plot(*style.between(x[known], predicted[known]), color=color, zorder=2)
     else:
         axes.scatter(x, predicted, marker="_", s=260, color=color, linewidths=1.8, zorder=2)
-    _whiskers(axes, x, simulated, ci_low, ci_high, color, marker, axes.transData)
+    _whiskers(axes, x, (simulated, ci_low, ci_high), color, marker, axes.transData)
     aside = _aside(strip, dodge_pt)
     ratio, ratio_low, ratio_high = _ratios(part)
     mark_beyond(strip, x, ratio, color, aside)
     ratio = within(strip, ratio)
-    _whiskers(strip, x, ratio, ratio_low, ratio_high, color, marker, aside)
+    _whiskers(strip, x, (ratio, ratio_low, ratio_high), color, marker, aside)
     flagged = blamed(part, "simulated")
     style.ring(axes, x[flagged], simulated[flagged], axes.transData)
     style.ring(strip, x[flagged], ratio[flagged], aside)
 
 
 def _whiskers(
-    axes: Axes, x: Array, y: Array, low: Array, high: Array, color: str, marker: str, transform: Transform
+    axes: Axes, x: Array, values: tuple[Array, Array, Array], color: str, marker: str, transform: Transform
 ) -> ErrorbarContainer:
+    """Points and their intervals; `values` are themselves, their lower and their upper ends."""
+    y, low, high = values
     reach = np.nan_to_num(np.clip([y - low, high - y], 0, None))
     return axes.errorbar(
         x,

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from rigsim.rig.arrays import Array, Mask
+from rigsim.study.verify.case import Case
 from rigsim.study.verify.diagnosis.symptoms_plain import Mark
 from rigsim.study.verify.result import CaseResult
 from rigsim.theory.uncertainty import parallax_px
@@ -29,35 +30,8 @@ def where(result: CaseResult, found: Array, wrong: Mask, answered: Mask) -> Iter
     kind = "missing" if none[wrong].mean() > 0.9 else "zero" if zero[wrong].mean() > 0.9 else "wrong"
     found_as = {"missing": "NaN", "zero": "(0, 0, 0)", "wrong": "wrong"}[kind]
     weight = WHERE if kind == "wrong" else 0.95
-    centre = (case.uv_left - (case.rig.left.cx, case.rig.left.cy)) / (case.rig.left.fx, case.rig.left.fy)
-    candidates: tuple[tuple[str, Array, str, str, str], ...] = (
-        ("far-points", case.points_left[:, 2], "beyond {:.4g} m", "nearer than {:.4g} m", "near-points"),
-        (
-            "large-disparities",
-            parallax_px(case.rig, case.points_left),
-            "with a disparity above {:.3g} px",
-            "with a disparity below {:.3g} px",
-            "small-disparities",
-        ),
-        (
-            "late-rows",
-            np.arange(len(case), dtype=np.float64),
-            "after row {:.0f}",
-            "before row {:.0f}",
-            "early-rows",
-        ),
-        (
-            "outer-points",
-            np.linalg.norm(centre, axis=1),
-            "farther than {:.3g} focal lengths from the principal point",
-            "nearer than {:.3g} focal lengths to the principal point",
-            "inner-points",
-        ),
-        ("right-half", case.points_left[:, 0], "right of x = {:.3g} m", "left of x = {:.3g} m", "left-half"),
-        ("lower-half", case.points_left[:, 1], "below y = {:.3g} m", "above y = {:.3g} m", "upper-half"),
-    )
     good = asked & ~wrong
-    for high, values, above, below, low in candidates:
+    for high, values, above, below, low in _measures(case):
         w, g = values[wrong], values[good]
         if len(g) < FEW or n < FEW:
             continue
@@ -82,6 +56,37 @@ def where(result: CaseResult, found: Array, wrong: Mask, answered: Mask) -> Iter
         name,
         f"{n} of {int(asked.sum())} rows come back {found_as} in '{case.name}', the others are right.",
         WHERE,
+    )
+
+
+def _measures(case: Case) -> tuple[tuple[str, Array, str, str, str], ...]:
+    """What rows may be wrong by: its high end, values (N,), words above and below, its low end."""
+    centre = (case.uv_left - (case.rig.left.cx, case.rig.left.cy)) / (case.rig.left.fx, case.rig.left.fy)
+    return (
+        ("far-points", case.points_left[:, 2], "beyond {:.4g} m", "nearer than {:.4g} m", "near-points"),
+        (
+            "large-disparities",
+            parallax_px(case.rig, case.points_left),
+            "with a disparity above {:.3g} px",
+            "with a disparity below {:.3g} px",
+            "small-disparities",
+        ),
+        (
+            "late-rows",
+            np.arange(len(case), dtype=np.float64),
+            "after row {:.0f}",
+            "before row {:.0f}",
+            "early-rows",
+        ),
+        (
+            "outer-points",
+            np.linalg.norm(centre, axis=1),
+            "farther than {:.3g} focal lengths from the principal point",
+            "nearer than {:.3g} focal lengths to the principal point",
+            "inner-points",
+        ),
+        ("right-half", case.points_left[:, 0], "right of x = {:.3g} m", "left of x = {:.3g} m", "left-half"),
+        ("lower-half", case.points_left[:, 1], "below y = {:.3g} m", "above y = {:.3g} m", "upper-half"),
     )
 
 
