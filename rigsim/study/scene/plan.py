@@ -172,7 +172,7 @@ class Plan:
     noises: tuple[PixelNoise, ...] = (PixelNoise(0.25),)
     """Noise of the simulated pixel positions."""
     triangulators: tuple[Triangulator, ...] = ("optimal",)
-    """Methods under test."""
+    """Methods under test: names, ``package.module:function``, or functions."""
     range_m: tuple[float, float] | None = None
     """Nearest and farthest depth of the truth points, m; None for all that is seen, up to `far_limit_m`."""
     n_points: int = 2000
@@ -198,6 +198,9 @@ class Plan:
     perturbation: Perturbation | None = None
     """How each built rig, which projects, differs from the one that is swept, which is assumed and
     triangulates; excludes `assumed`."""
+    timeout_s: float | None = None
+    """How long one call of a ``package.module:function`` may take; it then runs in a process of its own. None
+    runs it in this one."""
     extra: dict[str, object] = field(default_factory=dict, compare=False)
     """What the caller wants written into the provenance."""
 
@@ -217,6 +220,8 @@ class Plan:
             raise InvalidRange(
                 "an assumed rig and a perturbation both given: they say the same thing, give one"
             )
+        if self.timeout_s is not None and not self.timeout_s > 0:
+            raise InvalidRange(f"timeout {self.timeout_s:g} s: must be > 0")
         if self.supersample not in SUPERSAMPLES:
             raise InvalidRange(f"supersample {self.supersample}: must be 1, 2 or 4")
         if self.range_m is not None:
@@ -271,13 +276,6 @@ class Plan:
         digest = hashlib.sha256(repr(description).encode()).digest()
         key = tuple(int.from_bytes(digest[i : i + 4], "little") for i in range(0, 16, 4))
         return np.random.Generator(np.random.SFC64(np.random.SeedSequence(self.seed, spawn_key=key)))
-
-
-def triangulator_label(method: Triangulator) -> str:
-    """What a triangulator is called in tables."""
-    if isinstance(method, str):
-        return method
-    return f"{getattr(method, '__module__', '?')}:{getattr(method, '__qualname__', repr(method))}"
 
 
 def _numbers(rig: StereoRig) -> Iterable[object]:

@@ -18,7 +18,7 @@ from rigsim.study.agreement.agreement import reason_of
 from rigsim.study.scene.columns import AXES, DEPTH_COLUMNS, ROW_COLUMNS, Row, Showcase
 from rigsim.study.scene.look import Look, far_limit_m, look, simulate
 from rigsim.study.scene.pictures import without_noise
-from rigsim.study.scene.plan import Plan, RigGrid, triangulator_label
+from rigsim.study.scene.plan import Plan, RigGrid
 from rigsim.study.scene.provenance import simulator_provenance
 from rigsim.study.sweep import words as words
 from rigsim.study.sweep.advice import advise
@@ -26,7 +26,8 @@ from rigsim.study.sweep.choice import rank
 from rigsim.study.sweep.processes import run_all
 from rigsim.study.sweep.result import SweepResult, Verdict
 from rigsim.study.sweep.symptoms import Fault
-from rigsim.theory.triangulation import resolve
+from rigsim.study.triangulators.registry import label as label_of
+from rigsim.study.triangulators.registry import started
 
 
 def sweep(
@@ -53,8 +54,6 @@ def sweep(
     plan = given.a(Plan, plan or Plan(), "a Plan: what is simulated")
     jobs = int(given.real(jobs, "jobs"))
     extent.JOBS.check(jobs)
-    for method in plan.triangulators:
-        resolve(method)  # fail before anything is drawn
     todo = rigs if isinstance(rigs, RigGrid) else _rigs(rigs)
     if len(todo) == 0:
         raise InvalidRange("no rig to sweep: give at least one")
@@ -73,9 +72,15 @@ def sweep(
     faults: list[Fault | None] = []
     done: list[StereoRig] = []
     remarks: dict[str, Remark] = {}
-    with Simulator(plan.scene, plan.mount, plan.renderer) as simulator:
+    jobs = min(jobs, len(todo))
+    with (
+        started(plan.triangulators, plan.timeout_s) as methods,  # fail before anything is drawn
+        Simulator(plan.scene, plan.mount, plan.renderer) as simulator,
+    ):
+        # processes start their own
+        given_plan, plan = plan, replace(plan, triangulators=methods)
         complete = True
-        outcomes = run_all(todo, plan, min(jobs, len(todo)), simulator)
+        outcomes = run_all(todo, plan if jobs == 1 else given_plan, jobs, simulator)
         try:
             for rig, outcome in zip(todo, outcomes, strict=True):
                 rows.extend(outcome.rows)
@@ -172,7 +177,7 @@ def _showcase(simulator: Simulator, rig: StereoRig, row: int, plan: Plan) -> Sho
     sensor = list(plan.sensors.values())[sensor_index]
     frame = seen.exposures[without_noise(sensor)].frame
     _, stats = simulate(simulator, rig, truth, noise, plan, np.zeros(len(truth.visible), dtype=np.int32))
-    label = triangulator_label(plan.triangulators[label_index])
+    label = label_of(plan.triangulators[label_index])
     depth_rmse_m = np.full(len(truth.visible), math.nan)
     depth_rmse_m[truth.visible] = stats[label].depth_rmse_m
     return Showcase(
