@@ -15,11 +15,12 @@ from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
 from rigsim.study.agreement.agreement import reason_of
-from rigsim.study.scene.columns import AXES, DEPTH_COLUMNS, ROW_COLUMNS, Row, Showcase
+from rigsim.study.scene.columns import AXES, DEPTH_COLUMNS, ROW_COLUMNS, Row
 from rigsim.study.scene.look import Look, far_limit_m, look, simulate
 from rigsim.study.scene.pictures import without_noise
 from rigsim.study.scene.plan import Plan, RigGrid
 from rigsim.study.scene.provenance import simulator_provenance
+from rigsim.study.scene.showcase import Showcase
 from rigsim.study.sweep import words as words
 from rigsim.study.sweep.advice import advise
 from rigsim.study.sweep.choice import rank
