@@ -14,7 +14,7 @@ from rigsim.cli.kit.answer import print_document, quiet
 from rigsim.cli.kit.options import Json, takes_rig
 from rigsim.cli.kit.progress import shown
 from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
-from rigsim.cli.kit.triangulators import TIMEOUT, resolved, words
+from rigsim.cli.kit.triangulators import TIMEOUT, InProcess, resolved, words
 from rigsim.errors import InvalidRange, MeasurementFailed
 
 if TYPE_CHECKING:
@@ -58,6 +58,7 @@ def compare(
     timeout: Annotated[
         str, typer.Option(metavar="TIME", help="For one call of a function or program of yours.")
     ] = "10s",
+    in_process: InProcess = False,
     out: Annotated[
         Path | None,
         typer.Option(help="Folder for compare.html, compare.csv, compare.json, figure.png and figure.pdf."),
@@ -95,7 +96,7 @@ def compare(
     names, missing = _installed(names or DEFAULT_METHODS)
     with (
         quiet(as_json),
-        resolved(names, tuple(exec_ or ()), timeout_s) as known,
+        resolved(names, tuple(exec_ or ()), timeout_s, in_process) as known,
         shown(len(plan.chosen()) * len(noises_px), "cells") as progress,
     ):
         done = 0

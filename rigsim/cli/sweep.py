@@ -24,6 +24,7 @@ from rigsim.cli.kit.sensors import (
     sensor_of,
     sensors_from,
 )
+from rigsim.cli.kit.triangulators import TIMEOUT, InProcess
 from rigsim.errors import InvalidRange
 
 if TYPE_CHECKING:
@@ -91,8 +92,12 @@ def sweep(
     full_well: FullWell = None,
     read_noise: ReadNoise = None,
     triangulator: Annotated[
-        str, typer.Option(help="optimal, rectified, dlt, midpoint, or package.module:function; commas.")
+        str, typer.Option(help="optimal, rectified, dlt, midpoint, cv2, or package.module:function; commas.")
     ] = "optimal",
+    timeout: Annotated[
+        str, typer.Option(metavar="TIME", help="For one call of a function of yours, a block of trials.")
+    ] = "60s",
+    in_process: InProcess = False,
     seed: Annotated[int, typer.Option(help="Seed of every random number.")] = 0,
     jobs: Annotated[int, typer.Option(help="Processes; the numbers do not depend on it.")] = 1,
     out: Annotated[
@@ -114,6 +119,7 @@ def sweep(
     """
     noises_px = quantity.values(noise, quantity.NOISE)
     methods = _methods(triangulator)
+    timeout_s = None if in_process else quantity.value(timeout, TIMEOUT)
     range_m = None
     if depth_range is not None:
         near_mm, far_mm = quantity.span(depth_range, quantity.DEPTH)
@@ -169,6 +175,7 @@ def sweep(
         measure=measure,
         assumed=assumed,
         perturbation=perturbation,
+        timeout_s=timeout_s,
         sensors=dict(zip(sensor_labels(sensors, sensor), sensors, strict=True)),
         extra={"command": shlex.join(["rigsim", *sys.argv[1:]])},
     )

@@ -17,6 +17,27 @@ Triangulator: TypeAlias = Callable[[StereoRig, Array, Array], Array]
 """``(rig, uv_left (N, 2) px, uv_right (N, 2) px) -> points_left (N, 3) m``; a row it cannot do is NaN."""
 
 
+def _nothing() -> None:
+    """What most methods need beside numpy."""
+
+
+@dataclass(frozen=True, slots=True)
+class Method:
+    """A triangulator that has a name: the one entry that commands, help texts and docs are made from."""
+
+    name: str
+    """What it is called."""
+    says: str
+    """What it does, for lists: a phrase that begins small and ends without a stop."""
+    function: Triangulator
+    """What is called."""
+    falls_short: bool = False
+    """Whether it misses the maximum-likelihood point, and is biased, by its nature: it is then predicted by
+    its own expansion."""
+    ready: Callable[[], object] = _nothing
+    """Raises when what it needs is not installed."""
+
+
 @dataclass(frozen=True, slots=True)
 class CheckedTriangulator:
     """Calls a user's triangulator and holds it to the contract.

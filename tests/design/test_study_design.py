@@ -20,8 +20,8 @@ from rigsim.study.design.proof import Proof, following, prove, recommended, sett
 from rigsim.study.design.room import Room, measured_noise_px
 from rigsim.study.design.solve import PREFERENCES, Candidate, Design, pareto_front, solve, specify
 from rigsim.study.design.tolerance import design_tolerance
-from rigsim.study.scene.columns import Showcase
 from rigsim.study.scene.plan import Plan
+from rigsim.study.scene.showcase import Showcase
 from rigsim.study.scene.third_witness import Measured
 from rigsim.theory.inverse import Camera, Requirement
 from rigsim.theory.inverse_error import P95_OVER_STD

@@ -14,7 +14,8 @@ from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.sensor import Sensor
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.scene.columns import DEPTH_COLUMNS, MEASURED_COLUMNS, ROW_COLUMNS, Showcase
+from rigsim.study.scene.columns import DEPTH_COLUMNS, MEASURED_COLUMNS, ROW_COLUMNS
+from rigsim.study.scene.showcase import Showcase
 from rigsim.study.sweep.choice import rank
 from rigsim.study.sweep.result import SweepResult, Verdict
 

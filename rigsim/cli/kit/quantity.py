@@ -9,14 +9,24 @@ that of its range's end; failing that the option's own. The arithmetic is exact:
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from decimal import Decimal
 from fractions import Fraction
 from math import lcm
-from types import MappingProxyType
 
 from rigsim.errors import InvalidRange
+from rigsim.rig.quantity import BASELINE as BASELINE
+from rigsim.rig.quantity import DEPTH as DEPTH
+from rigsim.rig.quantity import DISPARITY as DISPARITY
+from rigsim.rig.quantity import FOCAL_MM as FOCAL_MM
+from rigsim.rig.quantity import FOCAL_PX as FOCAL_PX
+from rigsim.rig.quantity import HFOV as HFOV
+from rigsim.rig.quantity import LENGTHS, PIXELS
+from rigsim.rig.quantity import NOISE as NOISE
+from rigsim.rig.quantity import PIXEL_PITCH as PIXEL_PITCH
+from rigsim.rig.quantity import SENSOR_WIDTH as SENSOR_WIDTH
+from rigsim.rig.quantity import VERGENCE as VERGENCE
+from rigsim.rig.quantity import Kind as Kind
 
 MAX_VALUES = 1_000_000
 """More values than this in one range are a slip of the pen."""
@@ -32,50 +42,6 @@ _NUMBER = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)[a-z]*", re.IGNORECASE)
 _LARGEST_EXPONENT = 300
 _HIT = Fraction(1, 10**9)
-
-_LENGTHS = MappingProxyType(
-    {
-        "um": Fraction(1, 1000),
-        "µm": Fraction(1, 1000),
-        "μm": Fraction(1, 1000),
-        "mm": Fraction(1),
-        "cm": Fraction(10),
-        "m": Fraction(1000),
-    }
-)
-_PIXELS = MappingProxyType({"px": Fraction(1)})
-_ANGLES = MappingProxyType({"deg": Fraction(1), "°": Fraction(1)})
-
-
-@dataclass(frozen=True, slots=True)
-class Kind:
-    """What an option measures: its name in messages, its units and its bounds."""
-
-    name: str
-    """Name in messages: ``baseline``."""
-    plain: str
-    """Unit of a number without one."""
-    factors: Mapping[str, Fraction]
-    """Known units, each as a multiple of the result's."""
-    above: float | None = None
-    """Values must be greater, in the result's unit."""
-    at_least: float | None = None
-    """Values must be this or greater, in the result's unit."""
-    below: float | None = None
-    """Values must be less, in the result's unit."""
-
-
-# lengths come out in mm, angles in deg, the rest in px
-BASELINE = Kind("baseline", "mm", _LENGTHS, above=0)
-DEPTH = Kind("depth", "mm", _LENGTHS, above=0)
-SENSOR_WIDTH = Kind("sensor width", "mm", _LENGTHS, above=0)
-PIXEL_PITCH = Kind("pixel pitch", "um", _LENGTHS, above=0)
-FOCAL_MM = Kind("focal length", "mm", _LENGTHS, above=0)
-FOCAL_PX = Kind("focal length", "px", _PIXELS, above=0)
-HFOV = Kind("horizontal field of view", "deg", _ANGLES, above=0, below=180)
-VERGENCE = Kind("vergence", "deg", _ANGLES, above=-180, below=180)
-NOISE = Kind("noise", "px", _PIXELS, at_least=0)
-DISPARITY = Kind("disparity", "px", _PIXELS)
 
 
 def value(text: str, kind: Kind) -> float:
@@ -143,7 +109,7 @@ def focal_lengths(text: str) -> tuple[tuple[float, ...], str]:
     written = {
         match[1] for match in re.finditer(r"[0-9.]\s*([a-zA-Zµμ°]+)", re.sub(r"[eE][+-]?[0-9]", "", text))
     }
-    if written & set(_LENGTHS):
+    if written & set(LENGTHS):
         if "px" in written:
             raise InvalidRange(f"focal length {text}: px or mm, not both")
         return values(text, FOCAL_MM), "mm"
@@ -178,7 +144,7 @@ def point(text: str, name: str) -> tuple[float, float]:
     Raises:
         InvalidRange: not two numbers that an image could have.
     """
-    kind = Kind(name, "px", _PIXELS)
+    kind = Kind(name, "px", PIXELS)
     parts = text.split(",")
     if len(parts) != 2:
         raise InvalidRange(f"{name} {text or 'empty'}: must be two numbers u,v, as in 980,500")

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, TypeAlias
+
+import typer
 
 from rigsim.cli.kit import quantity
 from rigsim.errors import InvalidRange
@@ -19,18 +21,27 @@ TIMEOUT = quantity.Kind(
 """How long one call of somebody else's triangulator may take."""
 
 
+InProcess: TypeAlias = Annotated[
+    bool,
+    typer.Option(
+        "--in-process",
+        help="Call a function of yours in this process: faster, but if it crashes or hangs, so does rigsim.",
+    ),
+]
+
+
 @contextmanager
 def resolved(
-    names: Sequence[str], commands: Sequence[str], timeout_s: float
+    names: Sequence[str], commands: Sequence[str], timeout_s: float, in_process: bool = False
 ) -> Iterator[dict[str, Triangulator]]:
-    """By the name they have in tables; those of somebody else run outside this process."""
+    """By the name they have in tables; those of somebody else run outside this process, programs at least."""
     from rigsim.study.triangulators.isolated import IsolatedTriangulator
     from rigsim.study.triangulators.registry import named
 
     found: dict[str, Triangulator] = {}
     with ExitStack() as stack:
         for name in names:
-            if ":" in name:
+            if ":" in name and not in_process:
                 found[name] = stack.enter_context(IsolatedTriangulator(name, timeout_s))
             else:
                 found[name] = named(name)

@@ -123,7 +123,7 @@ class _Shown:
 
 
 def _of(column: Column) -> _Shown:
-    return _Shown(column.heading, column.unit, column.name, column.show, column.show is not str)
+    return _Shown(column.heading, column.unit, column.name, column.show, column.numeric)
 
 
 def _error_columns(table: pd.DataFrame) -> list[_Shown]:

@@ -8,6 +8,8 @@ errors have the predicted mean, spread and shape however far the point lies.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -53,7 +55,9 @@ def predict_views(rig: StereoRig, points_left: Array, noise: PixelNoise) -> tupl
     return bias, G @ C @ G.transpose(0, 2, 1)
 
 
-def expand_views(rig: StereoRig, points_left: Array, noise: PixelNoise, method: str) -> tuple[Array, Array]:
+def expand_views(
+    rig: StereoRig, points_left: Array, noise: PixelNoise, method: str | Callable[..., Any]
+) -> tuple[Array, Array]:
     """The same as `predict_views` for a method that is not the maximum-likelihood one, by its own expansion.
 
     Second order in the noise, by differences of a tenth of a standard deviation along the axes of the

@@ -22,8 +22,8 @@ from rigsim.theory.inverse import GATES, LOWER
 
 if TYPE_CHECKING:
     from rigsim.study.design.room import Room
-    from rigsim.study.scene.columns import Showcase
     from rigsim.study.scene.plan import Plan
+    from rigsim.study.scene.showcase import Showcase
     from rigsim.theory.inverse import Camera
 
 

@@ -23,10 +23,11 @@ from rigsim.statistics import rms, robust_rms
 from rigsim.study.design import words as words
 from rigsim.study.design.checks import FEWEST_MATCHES, nearest_points
 from rigsim.study.design.solve import Candidate, Design, Specification, solve
-from rigsim.study.scene.columns import Row, Showcase
+from rigsim.study.scene.columns import Row
 from rigsim.study.scene.look import Look, Outcome, all_rows, look, measure_pictures, simulate
 from rigsim.study.scene.pictures import without_noise
 from rigsim.study.scene.plan import Plan
+from rigsim.study.scene.showcase import Showcase
 from rigsim.study.scene.third_witness import Measured
 from rigsim.theory.inverse import Camera
 

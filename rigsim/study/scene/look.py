@@ -19,13 +19,14 @@ from rigsim.sim.simulator import Simulator
 from rigsim.sim.truth.points import GroundTruth, depth_bins, depth_edges_m, image_weights
 from rigsim.study.scene.columns import Row
 from rigsim.study.scene.pictures import Exposure, expose_pair, without_noise
-from rigsim.study.scene.plan import Plan, triangulator_label
+from rigsim.study.scene.plan import Plan
 from rigsim.study.scene.rows import Evidence, configuration, empty_row, rows_of
 from rigsim.study.scene.statistics import ErrorStatistics
 from rigsim.study.scene.third_witness import Measured, measure
 from rigsim.study.scene.trials import Prediction, predict, run_trials
 from rigsim.study.sweep.diagnosis import find_fault
 from rigsim.study.sweep.symptoms import Fault
+from rigsim.study.triangulators.registry import label as label_of
 from rigsim.theory.reach import reach_m
 
 CORNERS_FROM_BOARDS = 3
@@ -101,7 +102,7 @@ def all_rows(
         edges_m = np.unique(edges_m.clip(near_m, far_m))
     bins = depth_bins(depth_m, edges_m)
     coverage_bins = depth_bins(truth.coverage.depth_m, edges_m)
-    methods = {triangulator_label(method): method for method in plan.triangulators}
+    methods = {label_of(method): method for method in plan.triangulators}
     beyond = truth.coverage.beyond / truth.coverage.n_rays if plan.range_m is None else 0.0
     outcome = Outcome([], [], beyond_fraction=beyond)
     true_rig, assumed_rig = plan.true_and_assumed(rig)
@@ -164,7 +165,7 @@ def measure_pictures(simulator: Simulator, rig: StereoRig, plan: Plan, seen: Loo
 def _blind(simulator: Simulator, rig: StereoRig, plan: Plan, why: str) -> Outcome:
     """The rows of a rig that sees nothing: one such rig does not end a sweep."""
     heads = (
-        configuration(simulator.scene.name, rig, noise, triangulator_label(method), sensor)
+        configuration(simulator.scene.name, rig, noise, label_of(method), sensor)
         for noise in plan.noises
         for method in plan.triangulators
         for sensor in plan.sensors
@@ -185,8 +186,7 @@ def simulate(
     points_left = truth.points_left[truth.visible]
     rigs = plan.true_and_assumed(rig)
     predictions = {
-        triangulator_label(method): predict(rigs[1], points_left, noise, method)
-        for method in plan.triangulators
+        label_of(method): predict(rigs[1], points_left, noise, method) for method in plan.triangulators
     }
     too_far = next(iter(predictions.values())).low_disparity
     stats = run_trials(

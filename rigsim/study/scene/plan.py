@@ -6,21 +6,22 @@ import hashlib
 import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import TypeAlias
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from rigsim.errors import InvalidRange, InvalidRig
 from rigsim.rig import extent, given
 from rigsim.rig.arrays import Array
-from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.noise import PixelNoise, as_noise
 from rigsim.rig.perturbation import Perturbation
-from rigsim.rig.pose import Pose
 from rigsim.rig.sensor import Sensor
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import SUPERSAMPLE
+from rigsim.study.scene.axes import registry
+from rigsim.study.scene.axes.axis import Axis
+from rigsim.study.scene.recipe import Recipe
 
 Triangulator: TypeAlias = str | Callable[[StereoRig, Array, Array], Array]
 
@@ -51,36 +52,37 @@ class RigGrid:
     """(width, height), px."""
     vergences_deg: Sequence[float] = ()
     """Toe-in angles, deg."""
+    more: Mapping[str, Sequence[float]] = field(default_factory=dict)
+    """Values of the other axes of `rigsim.study.scene.axes.registry` that change the rig, by name."""
 
     def __post_init__(self) -> None:
         given.a(StereoRig, self.base, "a StereoRig: the rig that is varied")
         for axis in ("baselines_m", "focals_px", "hfovs_deg", "vergences_deg"):
             object.__setattr__(self, axis, given.reals(getattr(self, axis), axis))
+        more = {name: given.reals(values, name) for name, values in self.more.items()}
+        object.__setattr__(self, "more", more)
+        for name in more:
+            if name not in registry.BY_NAME or registry.BY_NAME[name] not in registry.OF_RIG:
+                raise InvalidRange(f"axis {name!r}: must be one of {', '.join(registry.BY_NAME)}")
         object.__setattr__(self, "resolutions_px", _sizes(self.resolutions_px))
         if self.focals_px and self.hfovs_deg:
             raise InvalidRange("--focal and --hfov both given: they say the same thing, give one")
 
     def __len__(self) -> int:
-        return math.prod(
-            max(len(axis), 1)
-            for axis in (
-                self.baselines_m,
-                self.focals_px,
-                self.hfovs_deg,
-                self.resolutions_px,
-                self.vergences_deg,
-            )
-        )
+        return math.prod(max(len(self.values_of(axis)), 1) for axis in registry.OF_RIG)
 
     def __iter__(self) -> Iterator[StereoRig]:
-        for size, focal_px, hfov_deg, vergence_deg, baseline_m in itertools.product(
-            self.resolutions_px or (None,),
-            self.focals_px or (None,),
-            self.hfovs_deg or (None,),
-            self.vergences_deg or (None,),
-            self.baselines_m or (None,),
-        ):
-            yield self._rig(size, focal_px, hfov_deg, vergence_deg, baseline_m)
+        for values in itertools.product(*(self.values_of(axis) or (None,) for axis in registry.OF_RIG)):
+            recipe = Recipe(self.base, self.base.left, self.base.right)
+            for axis, value in zip(registry.OF_RIG, values, strict=True):
+                if value is not None and axis.of_rig is not None:
+                    recipe = axis.of_rig(recipe, value)
+            yield recipe.rig()
+
+    def values_of(self, axis: Axis) -> Sequence[Any]:
+        """The values that an axis takes; none leaves the rig's own."""
+        values: Sequence[Any] = getattr(self, axis.field) if axis.field else self.more.get(axis.name, ())
+        return values
 
     @property
     def lens_note(self) -> str:
@@ -97,29 +99,6 @@ class RigGrid:
             "pixel covers (smaller pixels on the same sensor)."
         )
 
-    def _rig(
-        self,
-        size: tuple[int, int] | None,
-        focal_px: float | None,
-        hfov_deg: float | None,
-        vergence_deg: float | None,
-        baseline_m: float | None,
-    ) -> StereoRig:
-        left, right = (
-            _change_lens(lens, size, focal_px, hfov_deg) for lens in (self.base.left, self.base.right)
-        )
-        length = self.base.baseline_m if baseline_m is None else baseline_m
-        if vergence_deg is not None:
-            return StereoRig.verged(left, length, vergence_deg, right=right)
-        if baseline_m is None:
-            return StereoRig(left, right, self.base.right_from_left)
-        if self.base.is_rectified:
-            return StereoRig.rectified(left, length, right=right)
-        if not (math.isfinite(length) and length > 0):
-            StereoRig.rectified(left, length)  # raises with the usual words
-        pose = self.base.right_from_left
-        return StereoRig(left, right, Pose(pose.R, pose.t * (length / self.base.baseline_m)))
-
 
 def _sizes(given_sizes: object) -> tuple[tuple[int, int], ...]:
     """Sizes (width, height) in px: one, or several."""
@@ -135,32 +114,6 @@ def _sizes(given_sizes: object) -> tuple[tuple[int, int], ...]:
     return tuple(found)
 
 
-def _change_lens(
-    lens: Intrinsics, size: tuple[int, int] | None, focal_px: float | None, hfov_deg: float | None
-) -> Intrinsics:
-    """The lens behind another pixel grid, or another focal length; the principal point keeps its place."""
-    if size is not None:
-        width, height = size
-        if width < 1 or height < 1:
-            raise InvalidRange(f"resolution {width}x{height}: both sides must be >= 1 px")
-        # square growth: the width sets the scale, the height is cropped or extended evenly
-        scale = width / lens.width
-        lens = replace(
-            lens,
-            width=width,
-            height=height,
-            fx=lens.fx * scale,
-            fy=lens.fy * scale,
-            cx=(lens.cx - (lens.width - 1) / 2) * scale + (width - 1) / 2,
-            cy=(lens.cy - (lens.height - 1) / 2) * scale + (height - 1) / 2,
-        )
-    if hfov_deg is not None:
-        focal_px = Intrinsics.from_hfov(lens.width, lens.height, hfov_deg).fx
-    if focal_px is not None:
-        lens = replace(lens, fx=focal_px, fy=focal_px * lens.fy / lens.fx)
-    return lens
-
-
 @dataclass(frozen=True, slots=True)
 class Plan:
     """All that decides the numbers of a sweep."""
@@ -172,7 +125,7 @@ class Plan:
     noises: tuple[PixelNoise, ...] = (PixelNoise(0.25),)
     """Noise of the simulated pixel positions."""
     triangulators: tuple[Triangulator, ...] = ("optimal",)
-    """Methods under test."""
+    """Methods under test: names, ``package.module:function``, or functions."""
     range_m: tuple[float, float] | None = None
     """Nearest and farthest depth of the truth points, m; None for all that is seen, up to `far_limit_m`."""
     n_points: int = 2000
@@ -198,6 +151,12 @@ class Plan:
     perturbation: Perturbation | None = None
     """How each built rig, which projects, differs from the one that is swept, which is assumed and
     triangulates; excludes `assumed`."""
+    timeout_s: float | None = None
+    """How long one call of a ``package.module:function`` may take; it then runs in a process of its own. None
+    runs it in this one."""
+    asked: tuple[str, ...] = ()
+    """Columns of the axes that were asked for and say the same as another in other words: tables and pictures
+    follow them."""
     extra: dict[str, object] = field(default_factory=dict, compare=False)
     """What the caller wants written into the provenance."""
 
@@ -217,6 +176,8 @@ class Plan:
             raise InvalidRange(
                 "an assumed rig and a perturbation both given: they say the same thing, give one"
             )
+        if self.timeout_s is not None and not self.timeout_s > 0:
+            raise InvalidRange(f"timeout {self.timeout_s:g} s: must be > 0")
         if self.supersample not in SUPERSAMPLES:
             raise InvalidRange(f"supersample {self.supersample}: must be 1, 2 or 4")
         if self.range_m is not None:
@@ -271,13 +232,6 @@ class Plan:
         digest = hashlib.sha256(repr(description).encode()).digest()
         key = tuple(int.from_bytes(digest[i : i + 4], "little") for i in range(0, 16, 4))
         return np.random.Generator(np.random.SFC64(np.random.SeedSequence(self.seed, spawn_key=key)))
-
-
-def triangulator_label(method: Triangulator) -> str:
-    """What a triangulator is called in tables."""
-    if isinstance(method, str):
-        return method
-    return f"{getattr(method, '__module__', '?')}:{getattr(method, '__qualname__', repr(method))}"
 
 
 def _numbers(rig: StereoRig) -> Iterable[object]:

@@ -18,7 +18,10 @@ from rigsim.statistics import rms
 from rigsim.study.agreement.agreement import Agreement, worst
 from rigsim.study.agreement.claims import measured_agreement
 from rigsim.study.agreement.simulated import Part, compare, image_parts
-from rigsim.study.scene.columns import DEPTH_COLUMNS, ROW_COLUMNS, Row
+from rigsim.study.scene.axes import registry
+from rigsim.study.scene.axes.axis import Configuration
+from rigsim.study.scene.column import clean
+from rigsim.study.scene.columns import DEPTH_COLUMNS, ERROR_COLUMNS, ROW_COLUMNS, Row
 from rigsim.study.scene.plan import Triangulator
 from rigsim.study.scene.statistics import ErrorStatistics, summarize
 from rigsim.study.scene.third_witness import Measured, bins_of, measured_row, nothing_measured
@@ -26,7 +29,6 @@ from rigsim.study.scene.trials import Prediction
 from rigsim.study.sweep.diagnosis import UNKNOWN
 from rigsim.study.sweep.symptoms import Fault
 
-_DIGITS = 12
 _FAR = ("far_inverse_depth_rmse_per_m", "predicted_far_inverse_depth_rmse_per_m")
 
 
@@ -73,18 +75,7 @@ class Evidence:
 
 def configuration(scene: str, rig: StereoRig, noise: PixelNoise, triangulator: str, sensor: str) -> Row:
     """The columns that say what a row is about."""
-    return {
-        "scene": scene,
-        "baseline_mm": _clean(rig.baseline_m * 1e3),
-        "focal_px": _clean(rig.left.fx),
-        "hfov_deg": _clean(rig.left.hfov_deg),
-        "width_px": rig.left.width,
-        "height_px": rig.left.height,
-        "vergence_deg": _clean(rig.vergence_deg) + 0.0,
-        "noise_px": noise.std_px,
-        "triangulator": triangulator,
-        "sensor": sensor,
-    }
+    return {"scene": scene} | registry.values(Configuration(rig, noise, triangulator, sensor))
 
 
 def empty_row(head: Row, n_trials: int, why: str) -> Row:
@@ -120,7 +111,7 @@ def rows_of(head: Row, evidence: Evidence) -> tuple[Row, list[Row], Fault | None
             body = _body(evidence, inside, slice(i, i + 1))
             body |= _covered(evidence, inside, evidence.coverage_bins == i)
             row = _joined(body, evidence, i, parts[i])
-            row |= {"depth_near_mm": _clean(near * 1e3), "depth_far_mm": _clean(far * 1e3)}
+            row |= {"depth_near_mm": clean(near * 1e3), "depth_far_mm": clean(far * 1e3)}
             by_depth.append({name: (head | row)[name] for name in DEPTH_COLUMNS})
     return overall, by_depth, fault
 
@@ -157,7 +148,7 @@ def _body(evidence: Evidence, inside: Mask, groups: slice) -> Row:
     depth_m = evidence.depth_m[evidence.visible]
     summary = summarize(evidence.stats, depth_m, kept, groups) if kept.any() else None
     if summary is None:
-        nothing = dict.fromkeys(ROW_COLUMNS[ROW_COLUMNS.index("depth_median_mm") :], math.nan)
+        nothing = dict.fromkeys(ERROR_COLUMNS, math.nan)
         return row | nothing | _far(evidence, visible_inside & low)
     predicted_m = rms(evidence.prediction.depth_rmse_m[kept])
     image_m, predicted_image_m = (
@@ -246,8 +237,3 @@ def _weighted_rms(values: Array, weight: Array) -> float:
     if not good.any():
         return math.nan
     return math.sqrt(float(np.average(values[good] ** 2, weights=weight[good])))
-
-
-def _clean(value: float) -> float:
-    """The value without the last digits' rounding noise: 150, not 149.99999999999997."""
-    return float(f"{value:.{_DIGITS}g}")

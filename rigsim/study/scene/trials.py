@@ -16,15 +16,13 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.study.agreement.views import expand_views, predict_views, views
 from rigsim.study.scene.plan import Triangulator
 from rigsim.study.scene.statistics import NEAREST_TO_INFINITY, ErrorStatistics
+from rigsim.study.triangulators.registry import falls_short
 from rigsim.theory.blocks import blocks
 from rigsim.theory.triangulation import triangulate
 from rigsim.theory.uncertainty import (
     LEAST_DEPTH_SIGMAS,
     depth_in_sigmas,
 )
-
-KNOWN_SHORT = ("dlt", "midpoint")
-"""Triangulators that do not reach the maximum-likelihood one, and are biased, by their nature."""
 
 _BLOCK = 1 << 16
 _NODES = 40
@@ -60,11 +58,12 @@ def predict(
     """Predict the errors of points (N, 3) m seen through `noise`.
 
     Every triangulator is held to the maximum-likelihood one, but those of textbooks that are known to
-    fall short of it (`KNOWN_SHORT`): bias and covariance of their error are their own.
+    fall short of it (`rigsim.theory.custom.Method.falls_short`): bias and covariance of their error are their
+    own.
     """
     sigmas = depth_in_sigmas(rig, points_left, noise)
     variance_px2 = noise.coordinate_var_px2
-    if isinstance(method, str) and method in KNOWN_SHORT and variance_px2 > 0:
+    if falls_short(method) and variance_px2 > 0:
         view_bias, view_covariance = expand_views(rig, points_left, noise, method)
     else:
         view_bias, view_covariance = predict_views(rig, points_left, noise)

@@ -10,18 +10,21 @@ import threading
 from collections.abc import Generator, Iterable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from dataclasses import replace
 
 from rigsim.errors import RigsimError
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
 from rigsim.study.scene.look import Outcome, run_rig
 from rigsim.study.scene.plan import Plan
+from rigsim.study.triangulators.registry import started
 
 _AHEAD = 4  # rigs queued for each process: enough to keep it busy, few enough to stop soon
 
 _THREADS = ("LP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 
 _worker: tuple[Simulator, Plan] | None = None
+_triangulators = contextlib.ExitStack()
 
 
 def run_all(rigs: Iterable[StereoRig], plan: Plan, jobs: int, simulator: Simulator) -> Generator[Outcome]:
@@ -65,7 +68,9 @@ def _open(plan: Plan, backend: str) -> None:
     global _worker
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    _worker = (Simulator(plan.scene, plan.mount, backend), plan)
+    # never left: this process is ended, and whatever it started ends with it
+    methods = _triangulators.enter_context(started(plan.triangulators, plan.timeout_s, at_once=False))
+    _worker = (Simulator(plan.scene, plan.mount, backend), replace(plan, triangulators=methods))
 
 
 def _run(rig: StereoRig) -> Outcome:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import pandas as pd
 
 from rigsim.rig.remark import Remark
-from rigsim.study.scene.columns import Showcase
+from rigsim.study.scene.showcase import Showcase
 from rigsim.study.sweep.symptoms import Fault
 
 

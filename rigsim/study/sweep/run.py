@@ -15,17 +15,19 @@ from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
 from rigsim.study.agreement.agreement import reason_of
-from rigsim.study.scene.columns import AXES, DEPTH_COLUMNS, ROW_COLUMNS, Showcase
+from rigsim.study.scene.columns import AXES, DEPTH_COLUMNS, ROW_COLUMNS
 from rigsim.study.scene.look import Look, Outcome, far_limit_m, look, simulate
 from rigsim.study.scene.pictures import without_noise
-from rigsim.study.scene.plan import Plan, RigGrid, triangulator_label
+from rigsim.study.scene.plan import Plan, RigGrid
 from rigsim.study.scene.provenance import simulator_provenance
+from rigsim.study.scene.showcase import Showcase
 from rigsim.study.sweep import words as words
 from rigsim.study.sweep.advice import advise
 from rigsim.study.sweep.choice import rank
 from rigsim.study.sweep.processes import run_all
 from rigsim.study.sweep.result import SweepResult, Verdict
-from rigsim.theory.triangulation import resolve
+from rigsim.study.triangulators.registry import label as label_of
+from rigsim.study.triangulators.registry import started
 
 
 def sweep(
@@ -52,8 +54,6 @@ def sweep(
     plan = given.a(Plan, plan or Plan(), "a Plan: what is simulated")
     jobs = int(given.real(jobs, "jobs"))
     extent.JOBS.check(jobs)
-    for method in plan.triangulators:
-        resolve(method)  # fail before anything is drawn
     todo = rigs if isinstance(rigs, RigGrid) else _rigs(rigs)
     if len(todo) == 0:
         raise InvalidRange("no rig to sweep: give at least one")
@@ -66,10 +66,15 @@ def sweep(
         plan.true_and_assumed(next(iter(todo)))  # fail before anything is drawn
     if plan.range_m is None:
         plan = replace(plan, far_limit_m=far_limit_m(todo, plan.noises))
-    with Simulator(plan.scene, plan.mount, plan.renderer) as simulator:
-        done = _run_all(todo, plan, min(jobs, len(todo)), simulator, progress)
+    jobs = min(jobs, len(todo))
+    with (
+        started(plan.triangulators, plan.timeout_s) as methods,  # fail before anything is drawn
+        Simulator(plan.scene, plan.mount, plan.renderer) as simulator,
+    ):
+        here = replace(plan, triangulators=methods)  # processes start their own
+        done = _run_all(todo, here if jobs == 1 else plan, jobs, simulator, progress)
         lens_note = rigs.lens_note if isinstance(rigs, RigGrid) else ""
-        return _conclude(done, plan, simulator, lens_note)
+        return _conclude(done, here, simulator, lens_note)
 
 
 @dataclass(slots=True)
@@ -189,7 +194,7 @@ def _showcase(simulator: Simulator, rig: StereoRig, row: int, plan: Plan) -> Sho
     sensor = list(plan.sensors.values())[sensor_index]
     frame = seen.exposures[without_noise(sensor)].frame
     _, stats = simulate(simulator, rig, truth, noise, plan, np.zeros(len(truth.visible), dtype=np.int32))
-    label = triangulator_label(plan.triangulators[label_index])
+    label = label_of(plan.triangulators[label_index])
     depth_rmse_m = np.full(len(truth.visible), math.nan)
     depth_rmse_m[truth.visible] = stats[label].depth_rmse_m
     return Showcase(

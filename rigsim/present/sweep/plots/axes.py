@@ -13,8 +13,6 @@ from rigsim.present.sweep.column_words import COLUMNS
 from rigsim.study.sweep.result import SweepResult
 
 MAX_LINES = 6
-WORDS = ("triangulator", "sensor")
-"""Axes whose values are names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +127,7 @@ def representative(values: tuple[Any, ...], wanted: Any, count: int = MAX_LINES)
 
 def _axis(rows: pd.DataFrame, name: str) -> Axis:
     column = COLUMNS[name]
-    numeric = name not in WORDS
+    numeric = column.numeric
     found = rows[name].unique().tolist()
     values = tuple(sorted(found) if numeric else found)
     show = column.show

@@ -1,0 +1,54 @@
+"""The quantities that people give: names, units and bounds. How they are typed is the command line's."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from types import MappingProxyType
+
+LENGTHS = MappingProxyType(
+    {
+        "um": Fraction(1, 1000),
+        "µm": Fraction(1, 1000),
+        "μm": Fraction(1, 1000),
+        "mm": Fraction(1),
+        "cm": Fraction(10),
+        "m": Fraction(1000),
+    }
+)
+PIXELS = MappingProxyType({"px": Fraction(1)})
+ANGLES = MappingProxyType({"deg": Fraction(1), "°": Fraction(1)})
+PLAIN: Mapping[str, Fraction] = MappingProxyType({})
+"""Of a number without a unit."""
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """What an option measures: its name in messages, its units and its bounds."""
+
+    name: str
+    """Name in messages: ``baseline``."""
+    plain: str
+    """Unit of a number without one."""
+    factors: Mapping[str, Fraction]
+    """Known units, each as a multiple of the result's."""
+    above: float | None = None
+    """Values must be greater, in the result's unit."""
+    at_least: float | None = None
+    """Values must be this or greater, in the result's unit."""
+    below: float | None = None
+    """Values must be less, in the result's unit."""
+
+
+# lengths come out in mm, angles in deg, the rest in px
+BASELINE = Kind("baseline", "mm", LENGTHS, above=0)
+DEPTH = Kind("depth", "mm", LENGTHS, above=0)
+SENSOR_WIDTH = Kind("sensor width", "mm", LENGTHS, above=0)
+PIXEL_PITCH = Kind("pixel pitch", "um", LENGTHS, above=0)
+FOCAL_MM = Kind("focal length", "mm", LENGTHS, above=0)
+FOCAL_PX = Kind("focal length", "px", PIXELS, above=0)
+HFOV = Kind("horizontal field of view", "deg", ANGLES, above=0, below=180)
+VERGENCE = Kind("vergence", "deg", ANGLES, above=-180, below=180)
+NOISE = Kind("noise", "px", PIXELS, at_least=0)
+DISPARITY = Kind("disparity", "px", PIXELS)

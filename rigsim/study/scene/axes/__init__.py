@@ -1,0 +1,1 @@
+"""What a sweep can vary: one file an axis, and the registry that names them all."""
