@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -107,6 +108,12 @@ class StereoRig:
         half = rotation_from_rotvec(self.right_from_left.rotvec_rad / 2)
         middle_left = self.right_from_left.inverse.t / 2
         return Pose(half, -half @ middle_left)
+
+    def figure(self, points_left: npt.ArrayLike = (), *, noise_px: float = 0.25, title: str = "") -> Any:
+        """Draw the rig from above: a matplotlib Figure, as `rigsim.rig_figure`, which says more."""
+        import rigsim  # the front door knows who draws; this room does not
+
+        return rigsim.rig_figure(self, points_left, noise_px=noise_px, title=title)
 
     def project(self, points_left: npt.ArrayLike) -> tuple[Array, Array]:
         """Project points (N, 3) m in the left camera's frame to (uv_left, uv_right), each (N, 2) px.

@@ -17,11 +17,11 @@ from rigsim.errors import InvalidRig, OutputError
 from rigsim.interop.formats.colmap import parse_colmap
 from rigsim.interop.formats.kalibr import parse_camchain
 from rigsim.interop.formats.kitti import parse_cam_to_cam
-from rigsim.interop.formats.middlebury import read_calib
+from rigsim.interop.formats.middlebury import parse_calib, read_calib
 from rigsim.interop.formats.mjcf import parse_rig_xml
 from rigsim.interop.formats.nerfstudio import parse_transforms
 from rigsim.interop.formats.opencv_yaml import parse_opencv_yaml
-from rigsim.interop.formats.rig_toml import read_perturbation, read_sensor
+from rigsim.interop.formats.rig_toml import parse_rig, read_perturbation, read_sensor
 from rigsim.interop.formats.rig_toml import read_rig as read_rig_toml
 from rigsim.interop.formats.ros import FILE_NAMES as ROS_NAMES
 from rigsim.interop.formats.ros import parse_camera_info
@@ -52,6 +52,7 @@ _IN_FOLDERS = (
 )
 _KNOWN = "rig.toml, stereo.yml, camchain.yaml, left.yaml, calib.txt, cameras.txt, rig.xml or transforms.json"
 _MIDDLEBURY = re.compile(r"^\s*cam0\s*=", re.MULTILINE)
+_YAML = re.compile(r"^\s*\w+\s*:", re.MULTILINE)
 _KITTI = re.compile(r"^\s*P_rect_0\d\s*:", re.MULTILINE)
 _KALIBR = re.compile(r"^cam[01]\s*:", re.MULTILINE)
 _ROS = re.compile(r"^(camera_matrix|projection_matrix|distortion_model)\s*:", re.MULTILINE)
@@ -76,16 +77,32 @@ def read_calibration(path: str | Path) -> StereoRig:
     if suffix not in _PARSERS:
         return read_rig_toml(path)
     rig = _PARSERS[suffix](path)
-    if suffix != ".xml" and _sides_exchanged(rig):
-        raise InvalidRig(
-            f"{path}: the right camera lies {rig.baseline_m * 1e3:.4g} mm to the left of the left one: the"
-            " cameras are exchanged, or the pose between them is inverted; exchange the cameras in the file"
-        )
+    if suffix != ".xml":
+        _check_sides(rig, str(path))
     return rig
 
 
-read_rig = read_calibration
-"""`rigsim.read_rig` reads what ``--rig`` reads."""
+def parse_calibration(text: str) -> StereoRig:
+    """The rig in the text of one calibration file; its format is known by what it says.
+
+    Raises:
+        InvalidRig: it holds no rig that can be, or has its sides exchanged.
+    """
+    parse, drawn_up = _parser(text)
+    rig = parse(text)
+    if not drawn_up:
+        _check_sides(rig, "rig")
+    return rig
+
+
+def is_toml(text: str) -> bool:
+    """Whether the text of a calibration file is a rig.toml's, which alone tells more than the rig."""
+    return _parser(text)[0] is parse_rig
+
+
+def in_folder(path: Path) -> list[str]:
+    """The names in a folder that a calibration is known by."""
+    return [name for name in _IN_FOLDERS if (path / name).is_file()]
 
 
 def calibration_sensor(path: Path) -> Sensor | None:
@@ -120,6 +137,32 @@ def disparity_range(path: Path) -> tuple[float, float] | None:
     return read_calib(path).disparity_range
 
 
+def _parser(text: str) -> tuple[Callable[[str], StereoRig], bool]:
+    """What reads a text, and whether that is a rig as somebody drew it up, not a calibration."""
+    start = text.lstrip()[:1]
+    if start == "<":
+        return parse_rig_xml, True
+    if start == "{":
+        return parse_transforms, False
+    if _MIDDLEBURY.search(text):
+        return (lambda text: parse_calib(text).rig), False
+    if _KITTI.search(text):
+        return parse_cam_to_cam, False
+    if _KALIBR.search(text):
+        return parse_camchain, False
+    if text.startswith("%YAML") or _YAML.search(text):
+        return parse_opencv_yaml, False
+    return parse_rig, True
+
+
+def _check_sides(rig: StereoRig, name: str) -> None:
+    if _sides_exchanged(rig):
+        raise InvalidRig(
+            f"{name}: the right camera lies {rig.baseline_m * 1e3:.4g} mm to the left of the left one: the"
+            " cameras are exchanged, or the pose between them is inverted; exchange the cameras in the file"
+        )
+
+
 def _sides_exchanged(rig: StereoRig) -> bool:
     """Whether both cameras of a horizontal pair see the other one on the wrong side."""
     right_in_left, left_in_right = rig.right_from_left.inverse.t, rig.right_from_left.t
@@ -131,7 +174,7 @@ def _found(path: Path) -> Path:
     """The file itself, or the one calibration in a folder."""
     if not os.path.isdir(path):  # unlike Path's, it takes names of any length
         return path
-    found = [name for name in _IN_FOLDERS if (path / name).is_file()]
+    found = in_folder(path)
     if not found:
         raise OutputError(f"{path}: holds no calibration; name a folder with {_KNOWN}")
     if len(found) > 1:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy.typing as npt
+from matplotlib.figure import Figure
 
 from rigsim.present.kit import style
 from rigsim.present.kit.pictures import anaglyph, disparity_picture, encode, picture_limits, with_scale
@@ -31,6 +34,18 @@ def sweep_files(result: SweepResult) -> dict[str, bytes]:
     if was_measured(result.rows):
         files["witnesses.png"] = style.to_png(witnesses_figure(result), dpi=130)
     return files
+
+
+def figures(result: SweepResult) -> dict[str, Callable[[], Figure]]:
+    """What draws each figure of a sweep, by name: depth_error, topdown, and witnesses where something was
+    measured."""
+    found: dict[str, Callable[[], Figure]] = {
+        "depth_error": lambda: curves.depth_error_figure(result),
+        "topdown": lambda: report.showcase_figure(result),
+    }
+    if was_measured(result.rows):
+        found["witnesses"] = lambda: witnesses_figure(result)
+    return found
 
 
 def render_files(snapshot: Snapshot) -> dict[str, bytes]:

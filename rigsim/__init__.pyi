@@ -1,0 +1,30 @@
+"""The names of `rigsim` and the modules they are loaded from: for type checkers and `lazy_loader`."""
+
+from ._version import __version__ as __version__
+from .api.draw import rig_figure as rig_figure
+from .api.rigs import read_rig as read_rig
+from .api.sweep import sweep as sweep
+from .errors import RigsimError as RigsimError
+from .interop.formats.rig_toml import write_rig as write_rig
+from .rig.intrinsics import Intrinsics as Intrinsics
+from .rig.lens.distortion import BrownConrady as BrownConrady
+from .rig.noise import PixelNoise as PixelNoise
+from .rig.observations import Observations as Observations
+from .rig.perturbation import Perturbation as Perturbation
+from .rig.pose import Pose as Pose
+from .rig.presets import PRESETS as PRESETS
+from .rig.presets import preset as preset
+from .rig.stereo import StereoRig as StereoRig
+from .sim.simulator import Simulator as Simulator
+from .study.scene.plan import Plan as Plan
+from .study.scene.plan import RigGrid as RigGrid
+from .study.sweep.result import SweepResult as SweepResult
+from .theory.sensitivity import depth_sensitivity as depth_sensitivity
+from .theory.triangulation import triangulate as triangulate
+from .theory.uncertainty import depth_bounds as depth_bounds
+from .theory.uncertainty import depth_in_sigmas as depth_in_sigmas
+from .theory.uncertainty import parallax_px as parallax_px
+from .theory.uncertainty import predict_covariance as predict_covariance
+from .theory.uncertainty import predict_depth_bias as predict_depth_bias
+from .theory.uncertainty import predict_depth_rmse as predict_depth_rmse
+from .theory.uncertainty import predict_depth_std as predict_depth_std
