@@ -10,6 +10,13 @@ from functools import lru_cache
 import cv2
 import numpy as np
 
+from benchmarks.subjects.checker_images import (
+    board_corners,
+    board_homography,
+    board_image,
+    cramer_rao_px,
+    saddle_windows,
+)
 from rigsim.pixels.corners import saddle
 from rigsim.pixels.corners.corners import fit_corners, refine_corners
 from rigsim.pixels.corners.pairing import BoardMatches, match_sizes
@@ -22,13 +29,6 @@ from rigsim.rig.sensor import Sensor
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.exposure import digitise, optics
 from rigsim.sim.lens import distort_image, rectify_image, wider_intrinsics
-from tests.helpers.checker_images import (
-    board_corners,
-    board_homography,
-    board_image,
-    cramer_rao_px,
-    saddle_windows,
-)
 
 _HALF = 5
 

@@ -7,16 +7,16 @@ import sys
 import time
 from collections.abc import Mapping, Sequence
 
+from benchmarks.subjects import triangulators
+from benchmarks.subjects.mutant import Mutant
+from benchmarks.subjects.mutant_names import named_right
+from benchmarks.subjects.mutants import MUTANTS
 from rigsim.study.triangulators.registry import KNOWN
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.checks import statistical_checks
 from rigsim.study.verify.runner import FALSE_ALARM, run_case, verify
 from rigsim.study.verify.session import Selection, gather
 from rigsim.theory.custom import Triangulator
-from tests.helpers import triangulators
-from tests.helpers.mutant import Mutant
-from tests.helpers.mutant_names import named_right
-from tests.helpers.mutants import MUTANTS
 
 SEEDS = 200
 SCENES_EVERY = 10

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.subjects.checker_images import board_homography, board_image
 from rigsim.errors import InvalidImage, InvalidRange, MeasurementFailed
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
@@ -16,7 +17,6 @@ from rigsim.study.measure.result import PairMeasurement
 from rigsim.study.measure.rows import is_misaligned, row_verdict
 from rigsim.study.measure.run import Wanted, measure_pair
 from rigsim.study.measure.truth import truth_at
-from tests.helpers.checker_images import board_homography, board_image
 from tests.helpers.textured_images import Pair, Waves, affine_pair, noisy, plane_pair
 
 SIZE = {"width": 200, "height": 150}

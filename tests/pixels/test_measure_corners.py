@@ -11,6 +11,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.ndimage import map_coordinates
 
+from benchmarks.subjects.checker_images import (
+    blurred_saddle,
+    board_corners,
+    board_homography,
+    board_image,
+    cramer_rao_px,
+    saddle_windows,
+)
 from rigsim.errors import InvalidImage, MeasurementFailed
 from rigsim.pixels.corners import saddle
 from rigsim.pixels.corners.boards import canonical, find_board, find_boards, find_sizes, turns
@@ -23,14 +31,6 @@ from rigsim.rig.pose import Pose
 from rigsim.rig.sensor import Sensor
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.exposure import digitise
-from tests.helpers.checker_images import (
-    blurred_saddle,
-    board_corners,
-    board_homography,
-    board_image,
-    cramer_rao_px,
-    saddle_windows,
-)
 
 ROWS, COLS = 4, 5
 

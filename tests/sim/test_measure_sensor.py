@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from benchmarks.subjects.checker_images import board_corners, board_homography, board_image
 from rigsim.errors import InvalidImage, InvalidRig
 from rigsim.pixels.corners.corners import refine_corners
 from rigsim.rig.intrinsics import Intrinsics
@@ -19,7 +20,6 @@ from rigsim.rig.sensor import Sensor
 from rigsim.rig.sensors import SENSORS, sensor_preset
 from rigsim.sim.exposure import average_pixels, digitise, expose, optics
 from rigsim.sim.lens import distort_image, rectify_image, wider_intrinsics
-from tests.helpers.checker_images import board_corners, board_homography, board_image
 
 RAMP = np.linspace(0.0, 1.0, 256).reshape(16, 16)
 

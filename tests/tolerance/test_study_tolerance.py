@@ -327,9 +327,12 @@ def test_compensator_is_the_least_squares_solution(kind: str) -> None:
     compensator = Compensator(rig, points_in_view(rig, 24, *RANGE), marks, STD, noise_px=0.05)
     pixels, lengths_m = compensator.observe(thetas, rng)
     found = compensator.solve(pixels, lengths_m)
+    sigma_m = length_sigma(compensator)
     for i in range(len(thetas)):
         reference = least_squares(
-            lambda scaled, i=i: independent_residuals(compensator, pixels[:, i], lengths_m[i], scaled * STD),
+            lambda scaled, i=i: independent_residuals(
+                compensator, sigma_m, pixels[:, i], lengths_m[i], scaled * STD
+            ),
             np.zeros(12),
             xtol=1e-15,
             ftol=1e-15,
@@ -342,7 +345,9 @@ def test_compensator_is_the_least_squares_solution(kind: str) -> None:
         close(found[i] / STD, reference.x, rtol=0, atol=2e-5)
 
 
-def independent_residuals(compensator: Compensator, pixels: Array, known_m: float, theta: Array) -> Array:
+def independent_residuals(
+    compensator: Compensator, sigma_m: float, pixels: Array, known_m: float, theta: Array
+) -> Array:
     """The same residuals with one rig at a time: its own pose, lenses and optimal triangulation."""
     rig = true_rig(compensator.rig, theta)
     left = np.column_stack([rig.left.normalize(pixels[:2].T), np.ones(pixels.shape[1])])
@@ -359,7 +364,7 @@ def independent_residuals(compensator: Compensator, pixels: Array, known_m: floa
     return np.concatenate(
         [
             epipolar[:-2] / compensator.noise_px,
-            [length_error / length_sigma(compensator)],
+            [length_error / sigma_m],
             theta / compensator.std,
         ]
     )

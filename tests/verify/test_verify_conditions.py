@@ -8,6 +8,10 @@ import cv2
 import numpy as np
 import pytest
 
+from benchmarks.subjects import triangulators
+from benchmarks.subjects.mutant import Mutant
+from benchmarks.subjects.mutant_names import named_right
+from benchmarks.subjects.mutants_on_condition import MUTANTS
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.verify.case import Case
@@ -22,10 +26,6 @@ from rigsim.study.verify.runner import run_case
 from rigsim.study.verify.suite import stream, synthetic_cases
 from rigsim.study.verify.synthetic import exact
 from rigsim.theory.custom import Triangulator
-from tests.helpers import triangulators
-from tests.helpers.mutant import Mutant
-from tests.helpers.mutant_names import named_right
-from tests.helpers.mutants_on_condition import MUTANTS
 
 BY_NAME = {geometry.name: geometry for geometry in GEOMETRIES}
 

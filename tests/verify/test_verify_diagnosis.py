@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from benchmarks.subjects import triangulators
+from benchmarks.subjects.triangulators import Calibration
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
@@ -22,8 +24,6 @@ from rigsim.study.verify.suite import stream, synthetic_cases
 from rigsim.study.verify.synthetic import exact
 from rigsim.theory.custom import Triangulator
 from rigsim.theory.triangulation import METHODS
-from tests.helpers import triangulators
-from tests.helpers.triangulators import Calibration
 
 SOLVERS = {"linear": triangulators.solve_linear, "opencv": triangulators.solve_opencv}
 BASES: dict[str, Triangulator] = {

@@ -7,11 +7,8 @@ from functools import partial
 
 import numpy as np
 
-from rigsim.rig.arrays import Array
-from rigsim.rig.pose import rotation_from_rotvec
-from rigsim.rig.stereo import StereoRig
-from tests.helpers import mutant as declare
-from tests.helpers.triangulators import (
+from benchmarks.subjects import mutant as declare
+from benchmarks.subjects.triangulators import (
     calibration,
     distort,
     intersect,
@@ -23,6 +20,9 @@ from tests.helpers.triangulators import (
     solve_linear,
     undistort,
 )
+from rigsim.rig.arrays import Array
+from rigsim.rig.pose import rotation_from_rotvec
+from rigsim.rig.stereo import StereoRig
 
 MUTANTS: list[declare.Mutant] = []
 """In the order below."""

@@ -1,13 +1,13 @@
 """Wrong triangulators: small mistakes, of the kind that people make, in correct ones of their own.
 
 Each is a plain function: ``rigsim verify --triangulator
-tests.helpers.mutants_of_input:swapped_pixels`` runs it too.
+benchmarks.subjects.mutants_of_input:swapped_pixels`` runs it too.
 """
 
 from __future__ import annotations
 
-from tests.helpers import mutants_of_answer, mutants_of_files, mutants_of_input, mutants_on_condition
-from tests.helpers.mutant import Mutant
+from benchmarks.subjects import mutants_of_answer, mutants_of_files, mutants_of_input, mutants_on_condition
+from benchmarks.subjects.mutant import Mutant
 
 MUTANTS: tuple[Mutant, ...] = (
     *mutants_of_input.MUTANTS,

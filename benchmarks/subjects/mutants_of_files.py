@@ -8,11 +8,11 @@ from functools import partial
 import cv2
 import numpy as np
 
+from benchmarks.subjects import mutant as declare
+from benchmarks.subjects.triangulators import Calibration, in_front, solve_opencv
 from rigsim.interop.formats.opencv_yaml import opencv_yaml
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
-from tests.helpers import mutant as declare
-from tests.helpers.triangulators import Calibration, in_front, solve_opencv
 
 MUTANTS: list[declare.Mutant] = []
 """In the order below."""

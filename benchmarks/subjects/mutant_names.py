@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from benchmarks.subjects.mutant import Mutant
 from rigsim.study.verify.result import Diagnosis
-from tests.helpers.mutant import Mutant
 
 NAMES: Mapping[str, tuple[str, ...]] = {
     "swapped-pixels": ("swapped-images",),

@@ -7,10 +7,8 @@ from functools import partial
 
 import numpy as np
 
-from rigsim.rig.arrays import Array
-from rigsim.rig.stereo import StereoRig
-from tests.helpers import mutant as declare
-from tests.helpers.triangulators import (
+from benchmarks.subjects import mutant as declare
+from benchmarks.subjects.triangulators import (
     Calibration,
     calibration,
     homogeneous,
@@ -22,6 +20,8 @@ from tests.helpers.triangulators import (
     unchecked,
     undistort,
 )
+from rigsim.rig.arrays import Array
+from rigsim.rig.stereo import StereoRig
 
 MUTANTS: list[declare.Mutant] = []
 """In the order below."""

@@ -8,10 +8,8 @@ from functools import partial
 import cv2
 import numpy as np
 
-from rigsim.rig.arrays import Array
-from rigsim.rig.stereo import StereoRig
-from tests.helpers import mutant as declare
-from tests.helpers.triangulators import (
+from benchmarks.subjects import mutant as declare
+from benchmarks.subjects.triangulators import (
     Calibration,
     calibration,
     distort,
@@ -25,6 +23,8 @@ from tests.helpers.triangulators import (
     solve_linear,
     undistort,
 )
+from rigsim.rig.arrays import Array
+from rigsim.rig.stereo import StereoRig
 
 MUTANTS: list[declare.Mutant] = []
 """In the order below."""
