@@ -52,7 +52,7 @@ _MODULES = {
     "rigsim.rig.stereo": ("StereoRig",),
     "rigsim.sim.simulator": ("Simulator",),
     "rigsim.study.scene.plan": ("Plan", "RigGrid"),
-    "rigsim.study.scene.columns": ("SweepResult",),
+    "rigsim.study.sweep.result": ("SweepResult",),
     "rigsim.study.sweep.run": ("sweep",),
     "rigsim.theory.sensitivity": ("depth_sensitivity",),
     "rigsim.theory.triangulation": ("triangulate",),
