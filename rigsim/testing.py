@@ -9,7 +9,7 @@
 
 The function is called as ``my_triangulate(rig, uv_left, uv_right)`` and returns (N, 3) metres in the left
 camera's frame; `rigsim.StereoRig` says what a rig is. With pytest the fixtures ``stereo_case``,
-``stereo_cases`` and ``rendered_stereo`` are there as well; see docs/testing.md.
+``stereo_cases`` and ``rendered_stereo`` are there as well; see docs/howto/testing.md.
 """
 
 from __future__ import annotations

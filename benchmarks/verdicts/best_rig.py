@@ -2,9 +2,10 @@
 
 The brute force shares nothing with the sweep but MuJoCo's rays: every third pixel of every rig's left image
 is cast on its own, the scene's geometry and the cameras are set up here, pixels are disturbed and
-triangulated here by the textbook formula. The definition is the one that docs/verdicts.md states, over the
-same world points instead of bins of depth: among the rigs that keep 80 % of the best coverage, the one with
-the smallest RMS depth error per pixel over points that all of them see with Z / sigma_Z >= 4.
+triangulated here by the textbook formula. The definition is the one that docs/explanation/verdicts.md
+states, over the same world points instead of bins of depth: among the rigs that keep 80 % of the best
+coverage, the one with the smallest RMS depth error per pixel over points that all of them see with Z /
+sigma_Z >= 4.
 """
 
 from __future__ import annotations

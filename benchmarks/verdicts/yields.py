@@ -1,10 +1,11 @@
 """Yields that `rigsim design` states against rigs built from scratch: own errors, pinholes, noise and depths.
 
 Nothing of rigsim's study, theory or lenses is used beyond the answer on trial: tolerances are read off
-docs/tolerance.md, each camera is off on its own where the page says so, pictures are a pinhole with k1, and
-depth is ``f B / disparity``, the least squares solution of a rectified rig. One sample is one point of the
-image that both see with one draw of noise; a rig is good by the root mean square, or the 95th percentile, of
-its samples. Limit: 3 points. Rigs are compared as built; how they are recalibrated is rigsim's own.
+docs/reference/tolerance.md, each camera is off on its own where the page says so, pictures are a pinhole
+with k1, and depth is ``f B / disparity``, the least squares solution of a rectified rig. One sample is one
+point of the image that both see with one draw of noise; a rig is good by the root mean square, or the 95th
+percentile, of its samples. Limit: 3 points. Rigs are compared as built; how they are recalibrated is
+rigsim's own.
 """
 
 from __future__ import annotations
@@ -94,7 +95,7 @@ def share_of_good(
 
 
 def errors(name: str, f: float, B: float, w: float, h: float, rng: np.random.Generator) -> dict[str, Array]:
-    """What `_BLOCK` rigs of a class are off by, from docs/tolerance.md; mm, rad, px."""
+    """What `_BLOCK` rigs of a class are off by, from docs/reference/tolerance.md; mm, rad, px."""
 
     def normal(std: float) -> Array:
         return std * rng.standard_normal(_BLOCK)

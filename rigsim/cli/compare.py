@@ -37,7 +37,9 @@ def compare(
     exec_: Annotated[
         list[str] | None,
         typer.Option(
-            "--exec", metavar="COMMAND", help="A program in any language, see docs/exec.md. Repeatable."
+            "--exec",
+            metavar="COMMAND",
+            help="A program in any language, see docs/reference/exec.md. Repeatable.",
         ),
     ] = None,
     geometry: Annotated[

@@ -65,7 +65,8 @@ def measure(
 ) -> None:
     """Measure a pair of pictures: matches, depths, how accurate they are, and whether the rig fits.
 
-    Give the rig with --rig: a rig.toml, a Middlebury calib.txt, or another calibration (docs/export.md).
+    Give the rig with --rig: a rig.toml, a Middlebury calib.txt, or another calibration
+    (docs/reference/export.md).
     """
     rows_cols = None if board is None else _board(board)
     if square is not None and board is None:

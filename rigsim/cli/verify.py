@@ -46,7 +46,9 @@ def verify(
     exec_: Annotated[
         list[str] | None,
         typer.Option(
-            "--exec", metavar="COMMAND", help="A program in any language, see docs/exec.md. Repeatable."
+            "--exec",
+            metavar="COMMAND",
+            help="A program in any language, see docs/reference/exec.md. Repeatable.",
         ),
     ] = None,
     suite: Annotated[str, typer.Option(help="quick, for every commit; full, before a release.")] = "quick",

@@ -15,7 +15,7 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.testing import assert_triangulates, render_stereo, stereo_cases
 from rigsim.theory.triangulation import triangulate
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "testing.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "howto" / "testing.md"
 
 
 def run_pytest(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
@@ -29,7 +29,7 @@ def run_pytest(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
 
 
 def example() -> str:
-    """The ten lines of docs/testing.md."""
+    """The ten lines of docs/howto/testing.md."""
     (block,) = re.findall(r"```python\n(.*?)```", PAGE.read_text(), flags=re.S)
     return block
 

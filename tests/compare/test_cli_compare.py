@@ -17,7 +17,7 @@ from rigsim.interop.formats.rig_toml import write_rig
 from rigsim.rig.presets import preset
 from rigsim.study.compare.run import COLUMNS
 
-PAGE = (Path(__file__).resolve().parents[2] / "docs" / "compare.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).resolve().parents[2] / "docs" / "reference" / "compare.md").read_text(encoding="utf-8")
 FEW = ["compare", "--points", "500", "--noise", "0.5,2", "--geometry", "rectified,verged"]
 MINE = """
 def breaks(rig, uv_left, uv_right):

@@ -40,6 +40,7 @@ case "$*" in
             chmod +x "${0%/*}/$tool"
         done
         ;;
+    tools/docs.py*) echo "python $*" ; [ ! -e "$FAKES/docs-fail" ] ;;
     *) echo "python $*" ; [ ! -e "$FAKES/tests-fail" ] ;;
 esac
 """
@@ -187,7 +188,7 @@ def test_check_prints_a_line_a_step_and_the_output_of_what_failed(machine: Machi
     assert code == 0
     lines = out.splitlines()
     assert [line.split()[:2] for line in lines] == [
-        ["ok", name] for name in ("format", "lint", "types", "imports", "tests")
+        ["ok", name] for name in ("format", "lint", "types", "imports", "docs", "tests")
     ]
     machine.tell("mypy-fails")
     machine.tell("tests-fail")
@@ -199,6 +200,7 @@ def test_check_prints_a_line_a_step_and_the_output_of_what_failed(machine: Machi
         ["ok", "lint"],
         ["FAILED", "types"],
         ["ok", "imports"],
+        ["ok", "docs"],
         ["FAILED", "tests"],
     ]
     assert "mypy" in lines
@@ -324,6 +326,17 @@ def test_without_gl_the_program_still_runs(machine: Machine) -> None:
 
 def test_bench_runs_the_benchmarks(machine: Machine) -> None:
     assert machine.call("run", "bench", "startup")[1] == "python -m benchmarks startup\n"
+
+
+def test_docs_builds_the_site_with_what_check_needs(machine: Machine) -> None:
+    code, out, _ = machine.call("run", "docs", "--no-serve")
+    assert (code, out) == (0, "python tools/docs.py --no-serve\n")
+    assert machine.calls()[1].endswith("-e .[dev,vision]")
+    machine.tell("docs-fail")
+    assert machine.call("run", "docs")[0] == 1
+    code, out, _ = machine.call("check")
+    assert code == 1
+    assert [line.split()[1] for line in out.splitlines() if line.startswith("FAILED")] == ["docs"]
 
 
 @pytest.mark.parametrize("name", ["run", "check", "tools/setup.sh"])

@@ -100,7 +100,7 @@ def test_a_wall_test_and_another_rig(infer: Any, tmp_path: Path) -> None:
 def test_every_key_is_in_the_schema(infer: Any, tmp_path: Path) -> None:
     wall = tmp_path / "wall.csv"
     wall.write_text(WALL)
-    schema = (Path(__file__).resolve().parents[2] / "docs" / "infer.md").read_text()
+    schema = (Path(__file__).resolve().parents[2] / "docs" / "reference" / "infer.md").read_text()
     answer = infer(f"--data {wall} --preset d455 --to oak-d")
     for item in (answer, answer["fit"], answer["bias"], answer["rig"], answer["rows"][0], answer["transfer"]):
         for key in item:

@@ -237,7 +237,7 @@ def test_the_command_says_what_is_missing(tmp_path: Path, capsys: pytest.Capture
     assert not (tmp_path / "out").exists()
 
 
-DOCUMENT = (Path(__file__).parents[2] / "docs" / "export.md").read_text()
+DOCUMENT = (Path(__file__).parents[2] / "docs" / "reference" / "export.md").read_text()
 
 
 def test_what_the_document_shows_is_printed(

@@ -23,7 +23,7 @@ from rigsim.interop.documents.sweep import DepthRow, OverallRow
 from rigsim.study.scene.columns import DEPTH_COLUMNS, ROW_COLUMNS
 from tests.helpers.documents import SCHEMAS, schema, valid, validator
 
-PAGE = (SCHEMAS.parent / "json.md").read_text(encoding="utf-8")
+PAGE = (SCHEMAS.parent / "reference" / "json.md").read_text(encoding="utf-8")
 
 UNITS = re.compile(r"_(mm|m|px|deg|um|e|pct|fraction|share)$")
 WITHOUT_UNIT = {
@@ -74,7 +74,9 @@ def test_the_schemas_are_those_of_the_documents() -> None:
 
 def test_every_command_has_a_schema_and_a_line_in_the_docs() -> None:
     shown = set(
-        re.findall(r"^\| `rigsim ([^`]*) --json` \| \[[^]]*\]\(schema/([\w-]+)\.schema\.json\)", PAGE, re.M)
+        re.findall(
+            r"^\| `rigsim ([^`]*) --json` \| \[[^]]*\]\(\.\./schema/([\w-]+)\.schema\.json\)", PAGE, re.M
+        )
     )
     assert shown == {
         (command.removeprefix("rigsim ").removesuffix(" --json"), name)
@@ -144,7 +146,7 @@ def test_the_rows_are_those_of_the_tables() -> None:
     assert set(DepthRow.model_fields) == set(DEPTH_COLUMNS)
 
 
-# --- the examples of docs/json.md ---
+# --- the examples of docs/reference/json.md ---
 
 PIPED = [line.split(" | jq ") for line in re.findall(r"^rigsim .* \| jq .*$", PAGE, re.M)]
 

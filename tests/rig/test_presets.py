@@ -141,7 +141,7 @@ def test_the_list_as_json_holds_what_each_says_alone(answer: Any) -> None:
 
 
 def test_every_key_is_in_the_schema(answer: Any) -> None:
-    schema = (Path(__file__).resolve().parents[2] / "docs" / "presets.md").read_text()
+    schema = (Path(__file__).resolve().parents[2] / "docs" / "reference" / "presets.md").read_text()
     item = answer("presets", "d455")
     quantities = {figure["quantity"] for figure in item["figures"]}
     for key in (*item, *item["figures"][0], *quantities):

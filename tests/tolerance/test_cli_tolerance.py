@@ -13,7 +13,9 @@ import pytest
 from rigsim.cli.app import run
 from rigsim.study.tolerance.sensitivities import QUANTITIES
 
-PAGE = (Path(__file__).resolve().parents[2] / "docs" / "tolerance.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).resolve().parents[2] / "docs" / "reference" / "tolerance.md").read_text(
+    encoding="utf-8"
+)
 FEW = ["tolerance", "--rigs", "300", "--points", "60"]
 
 

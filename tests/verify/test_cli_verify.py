@@ -14,7 +14,7 @@ from rigsim.cli.app import run
 from rigsim.study.verify import session
 from tests.helpers.documents import valid
 
-PAGE = (Path(__file__).resolve().parents[2] / "docs" / "verify.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).resolve().parents[2] / "docs" / "reference" / "verify.md").read_text(encoding="utf-8")
 FEW = ["verify", "--scene", "none"]
 
 MODULE = """

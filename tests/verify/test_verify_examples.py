@@ -1,4 +1,4 @@
-"""The two example programs of docs/exec.md, the C++ one compiled as it says: exact on every kind of rig."""
+"""The example programs of docs/reference/exec.md, one compiled as it says: exact on every kind of rig."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from tests.helpers.sampling import RIGS, close, noisy, points_in_view
 ROOT = Path(__file__).resolve().parents[2]
 PYTHON = ROOT / "docs" / "examples" / "verify" / "triangulate.py"
 CPP = PYTHON.with_suffix(".cpp")
-SAID = (ROOT / "docs" / "exec.md").read_text()
+SAID = (ROOT / "docs" / "reference" / "exec.md").read_text()
 
 
 @pytest.fixture(scope="module", params=["python", "c++"])

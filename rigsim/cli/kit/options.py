@@ -46,7 +46,7 @@ _RIG_OPTIONS: dict[str, Any] = {
     "rig": Annotated[
         Path | None,
         typer.Option(
-            metavar="FILE", help="Start from a rig.toml or another calibration; see docs/export.md."
+            metavar="FILE", help="Start from a rig.toml or another calibration; see docs/reference/export.md."
         ),
     ],
     "preset": Annotated[

@@ -50,7 +50,7 @@ class Checked(Part):
     """One number and the interval it must lie in."""
 
     check: Literal["answered", "nowhere", "exact", "size", "depth", "unbiased", "efficient", "shape"]
-    """Which number; docs/verify.md defines them."""
+    """Which number; docs/reference/verify.md defines them."""
     ok: bool
     """Whether it lies in the interval."""
     value: float | None

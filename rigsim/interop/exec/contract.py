@@ -1,4 +1,4 @@
-"""A triangulator in any language: a program that is given a folder and leaves a file in it (docs/exec.md)."""
+"""A triangulator in any language: a program that gets a folder and leaves a file (docs/reference/exec.md)."""
 
 from __future__ import annotations
 

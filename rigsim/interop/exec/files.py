@@ -1,4 +1,4 @@
-"""The files between rigsim and a program that triangulates; docs/exec.md is their contract."""
+"""The files between rigsim and a program that triangulates; docs/reference/exec.md is their contract."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def parse_points(content: bytes, count: int) -> Array:
     """Points (N, 3), m, of a points.csv that answers ids 0 to N - 1; NaN where there is no answer.
 
     Raises:
-        TriangulatorError: it is not what docs/exec.md asks for; the message names the line.
+        TriangulatorError: it is not what docs/reference/exec.md asks for; the message names the line.
     """
     text = content.decode("utf-8-sig", errors="replace").replace("\r\n", "\n")
     lines = text.split("\n")

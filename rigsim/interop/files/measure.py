@@ -66,7 +66,7 @@ def sources(paths: Mapping[str, Path]) -> dict[str, object]:
 
 
 def document(result: PairMeasurement, written: Written | None = None) -> dict[str, object]:
-    """Everything measured as one JSON document (docs/measure.md); null where there is no number.
+    """Everything measured as one JSON document (docs/reference/measure.md); null where there is no number.
 
     Args:
         result: what was measured.

@@ -10,7 +10,7 @@ of `a` is ``1.25 scatter / sqrt(N / 4)``.
 - untold: the rest, under 30 patches or 8 corners, and pairs that match under 8 % of their points, unless they
   match on other rows (`rigsim.pixels.patches.vertical`), which is flagged.
 
-docs/measure.md gives false alarms and power.
+docs/reference/measure.md gives false alarms and power.
 """
 
 from __future__ import annotations

@@ -34,7 +34,7 @@ class Amount:
     value: float
     """Standard deviation, or bound."""
     source: str = ESTIMATE
-    """A few words; docs/tolerance.md has the rest."""
+    """A few words; docs/reference/tolerance.md has the rest."""
     bound: bool = False
     """Whether it is a bound, +-."""
 
@@ -134,4 +134,4 @@ CLASSES: Mapping[str, ToleranceClass] = MappingProxyType(
         ),
     }
 )
-"""Classes by name; docs/tolerance.md gives derivations and addresses."""
+"""Classes by name; docs/reference/tolerance.md gives derivations and addresses."""

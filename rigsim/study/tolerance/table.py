@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def tolerance_table(result: ToleranceResult) -> pd.DataFrame:
-    """One row a quantity, the worst first; the columns of docs/tolerance.md."""
+    """One row a quantity, the worst first; the columns of docs/reference/tolerance.md."""
     import pandas as pd  # a document needs none of it
 
     distances = [item.depth_m * 1e3 for item in result.depths]

@@ -1,4 +1,4 @@
-"""A design as one JSON document; the schema stands in docs/design.md."""
+"""A design as one JSON document; the schema stands in docs/reference/design.md."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rigsim.theory.inverse import Bound, Interval, Requirement
 def design_document(
     design: Design, proofs: Sequence[Proof], tolerance: DesignTolerance | None = None
 ) -> dict[str, Any]:
-    """The whole answer, as docs/design.md says; JSON values only."""
+    """The whole answer, as docs/reference/design.md says; JSON values only."""
     pick = recommended(design, proofs)
     verified = any(proof.verified for proof in proofs)
     spec = design.specification

@@ -14,7 +14,7 @@ from rigsim.study.infer.words import sentence
 def inference_document(
     inference: Inference, carried: Transfer | None = None, remarks: Sequence[Remark] = ()
 ) -> dict[str, object]:
-    """The document that ``rigsim infer --json`` prints; docs/infer.md describes it."""
+    """The document that ``rigsim infer --json`` prints; docs/reference/infer.md describes it."""
     fit, bias, errors = inference.fit, inference.bias, inference.errors
     sigma = inference.disparity_std_px
     return {

@@ -1,4 +1,4 @@
-"""A tolerance study as a document and as a table; docs/tolerance.md says what each key means."""
+"""A tolerance study as a document and as a table; docs/reference/tolerance.md says what each key means."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A verification as a document; docs/verify.md says what each key means."""
+"""A verification as a document; docs/reference/verify.md says what each key means."""
 
 from __future__ import annotations
 

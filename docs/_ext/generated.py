@@ -1,0 +1,30 @@
+"""Pages that are made from the program itself: a line ``<!-- generated: NAME -->`` becomes Markdown.
+
+So a command, a public name or a key that is added stands in the reference without anybody writing it there.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+import command_line
+import documents
+import python_names
+from sphinx.application import Sphinx
+
+MAKERS: dict[str, Callable[[], str]] = {
+    "commands": command_line.as_markdown,
+    "documents": documents.as_markdown,
+    "python": python_names.as_markdown,
+}
+
+
+def _fill(app: Sphinx, page: str, source: list[str]) -> None:
+    source[0] = re.sub(r"<!-- generated: (\w+) -->", lambda found: MAKERS[found[1]](), source[0])
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """What Sphinx calls."""
+    app.connect("source-read", _fill)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
