@@ -50,7 +50,7 @@ OF_NOISE: tuple[Axis, ...] = tuple(axis for axis in ALL if axis.of_noise is not 
 """Those that change the noise."""
 
 
-def values(configuration: Configuration) -> dict[str, object]:
+def values(configuration: Configuration) -> dict[str, str | float | int]:
     """The axes' columns of one row."""
     return {
         column.name: value
