@@ -15,7 +15,7 @@ from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.perturbation import NAMES, Perturbation
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.tolerance.compensator import Compensator
+from rigsim.study.tolerance.recalibration.compensator import Compensator
 from rigsim.study.tolerance.run import Build, Recalibration, draw, make_compensator, run_tolerance
 from rigsim.study.tolerance.sensitivities import CLASSES, Requirement, causes
 from rigsim.theory.triangulation import triangulate

@@ -269,7 +269,7 @@ def test_the_sensor_is_told_in_its_numbers(result: SweepResult) -> None:
         "Sensor": ("imx219, 10 bit", ""),
         "Lens blur": ("0.5", "px"),
         "Lens distortion": ("k1 −0.1, p1 0.001", ""),
-        "Full well": ("10\u202f500", "e⁻"),
+        "Full well": ("10,500", "e⁻"),
         "Read noise": ("2.4", "e⁻"),
         "Gain": ("2", "×"),
         "Image noise": ("1.5", "grey"),

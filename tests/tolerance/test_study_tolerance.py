@@ -19,8 +19,8 @@ from rigsim.rig.presets import PRESETS
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance.batch import PARAMETERS, RigBatch, read_rays, read_rays_near
 from rigsim.study.tolerance.classes import iso_2768_m_mm
-from rigsim.study.tolerance.compensator import Compensator
 from rigsim.study.tolerance.places import places
+from rigsim.study.tolerance.recalibration.compensator import Compensator
 from rigsim.study.tolerance.run import (
     Build,
     Recalibration,

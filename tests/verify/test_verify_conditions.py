@@ -17,7 +17,7 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.diagnosis.conditions import set_apart
 from rigsim.study.verify.diagnosis.diagnosis import diagnose
-from rigsim.study.verify.diagnosis.of_rectification import rectified_cameras
+from rigsim.study.verify.diagnosis.kinds.of_rectification import rectified_cameras
 from rigsim.study.verify.diagnosis.reenact import given
 from rigsim.study.verify.diagnosis.symptoms_plain import numbers
 from rigsim.study.verify.geometries import GEOMETRIES

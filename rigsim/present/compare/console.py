@@ -8,7 +8,7 @@ from typing import Any
 from rich.console import Console
 
 from rigsim.present.kit.console import make_console, paragraph, print_table, say
-from rigsim.present.kit.format import MISSING, number, percent, plain, ratio
+from rigsim.present.kit.format import MISSING, count, number, percent, plain, ratio
 from rigsim.study.compare.run import ComparisonResult
 from rigsim.study.compare.words import headline, sentences
 
@@ -47,7 +47,7 @@ def print_comparison(
         (row[0] if not place or rows[place - 1][0] != row[0] else "", _short(row[1]), *row[2:])
         for place, row in enumerate(rows)
     ]
-    n = f"{result.plan.n_points:,}".replace(",", "\u202f")
+    n = count(result.plan.n_points)
     print_table(f"{plain(noise_px)} px of noise, {n} points", HEADS, brief, numeric=NUMERIC, console=console)
     paragraph(console, headline(result), style="bold")
     for sentence in sentences(result):

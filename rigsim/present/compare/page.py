@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
@@ -10,7 +9,7 @@ from rigsim.present.compare.console import HEADS, NUMERIC, shown_noise_px, table
 from rigsim.present.compare.figure import comparison_figure, figure_pdf, figure_png
 from rigsim.present.kit import style
 from rigsim.present.kit.format import count, plain
-from rigsim.present.kit.page import flat, prose
+from rigsim.present.kit.page import fill, flat
 from rigsim.study.compare.run import SPEED_RUNS, ComparisonResult
 from rigsim.study.compare.words import headline, listed, off_bound, sentences
 
@@ -27,14 +26,6 @@ def comparison_files(result: ComparisonResult) -> dict[str, bytes]:
 
 def comparison_html(result: ComparisonResult, figure: Figure) -> str:
     """The comparison as one page, without scripts, links or network; `figure` is `comparison_figure`'s."""
-    environment = Environment(
-        loader=PackageLoader("rigsim.present"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["prose"] = prose
     provenance = dict(flat(dict(result.provenance)))
     command = provenance.pop("command", "")
     says = headline(result)
@@ -43,7 +34,8 @@ def comparison_html(result: ComparisonResult, figure: Figure) -> str:
     for noise_px in sorted(result.plan.noises_px):
         flags = off[result.rows["noise_px"] == noise_px]
         levels.append((plain(noise_px), list(zip(table_rows(result, noise_px), flags, strict=True))))
-    return environment.get_template("compare.html").render(
+    return fill(
+        "compare.html",
         headline=says,
         sentences=sentences(result),
         left_out=result.left_out,

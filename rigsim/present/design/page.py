@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup, escape
+from markupsafe import Markup
 
 from rigsim.present.design.console import (
     CANDIDATE_HEADS,
@@ -21,8 +19,8 @@ from rigsim.present.design.console import (
 from rigsim.present.design.figures import pareto_figure, plan_figure, region_figure
 from rigsim.present.kit import style
 from rigsim.present.kit.format import count
+from rigsim.present.kit.page import data_uri, fill
 from rigsim.present.tolerance.console import quantity_heads, quantity_rows, tolerance_figure
-from rigsim.rig.arrays import Image
 from rigsim.rig.sensors import sensor_preset
 from rigsim.study.design import words as words
 from rigsim.study.design.proof import Proof, recommended
@@ -42,18 +40,11 @@ def design_html(
     design: Design, proofs: Sequence[Proof], tolerance: DesignTolerance | None, command: str
 ) -> str:
     """The report of a design as one page, without scripts, links or network."""
-    environment = Environment(
-        loader=PackageLoader("rigsim.present"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["prose"] = _prose
     pick = recommended(design, proofs)
     proof = next((p for p in proofs if p.candidate == pick), None)
     show = proof.show if proof is not None else None
-    return environment.get_template("design.html").render(
+    return fill(
+        "design.html",
         verified=any(p.verified for p in proofs),
         proved=bool(proofs),
         headline=headline(design, proofs),
@@ -66,18 +57,12 @@ def design_html(
         heads=[head.replace("\n", " ") for head in CANDIDATE_HEADS],
         front=[candidate_row(candidate) for candidate in _one_a_camera(design)],
         sheet=data_sheet(design, pick),
-        left="" if show is None else _picture(show.image_left),
-        right="" if show is None else _picture(show.image_right),
+        left="" if show is None else data_uri(show.image_left),
+        right="" if show is None else data_uri(show.image_right),
         sensor="" if proof is None else proof.sensor,
         tolerance=None if tolerance is None else _tolerance_part(tolerance),
         command=command,
     )
-
-
-def _picture(image: Image) -> str:
-    from rigsim.present.sweep.page import _data_uri  # and with it pandas, which formulas alone do without
-
-    return _data_uri(image)
 
 
 def _tolerance_part(tolerance: DesignTolerance) -> dict[str, Any]:
@@ -187,9 +172,3 @@ def _one_a_camera(design: Design) -> list[Candidate]:
     for candidate in design.pareto:
         cameras.setdefault(candidate.camera, candidate)
     return list(cameras.values())[:_MOST_ROWS]
-
-
-def _prose(text: str) -> Markup:
-    """Escaped text, with true signs, in which `words` between backticks are set as code."""
-    signs = text.replace("<=", "≤").replace(">=", "≥")
-    return Markup(re.sub(r"`([^`]*)`", r"<code>\1</code>", str(escape(signs))))

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from pathlib import Path
 
-from rigsim.present.kit.console import make_console, print_table
+from rigsim.present.kit.console import make_console, paragraph, print_table
 from rigsim.present.kit.format import length, number
 from rigsim.study.infer.bias import BiasPart
 from rigsim.study.infer.run import Inference, Transfer
@@ -17,13 +16,15 @@ def print_inference(
     inference: Inference, carried: Transfer | None = None, folder: Path | None = None
 ) -> None:
     """Print what was inferred, and what it does to another rig, on standard output."""
-    print(textwrap.fill(sentence(inference), make_console().width) + "\n")
+    console = make_console()
+    paragraph(console, sentence(inference))
+    console.print()
     _print_inferred(inference)
     _print_distances(inference)
     if carried is not None:
         _print_carried(carried)
     if folder is not None:
-        make_console().print(f"Files: {folder}", soft_wrap=True)
+        console.print(f"Files: {folder}", soft_wrap=True)
 
 
 def _print_inferred(inference: Inference) -> None:

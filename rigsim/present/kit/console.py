@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 _GAP = 2
 _NARROWEST = 12
-_NUMBER = re.compile(r"[-−+]?\d[\d\u202f]*(\.\d+)?([eE][-+]?\d+)?|–")
+_NUMBER = re.compile(r"[-−+]?\d[\d,]*(\.\d+)?([eE][-+]?\d+)?|–")
 
 
 def make_console(*, stderr: bool = False, width: int | None = None) -> Console:

@@ -6,12 +6,11 @@ import math
 
 MISSING = "–"
 """What stands where there is no number."""
-_NARROW_SPACE = "\u202f"
 _NEGLIGIBLE = 1e-4
 
 
 def number(value: float, digits: int = 3) -> str:
-    """`value` with `digits` significant digits, trailing zeros kept: ``9.80``, ``0.0123``, ``12 346``.
+    """`value` with `digits` significant digits, trailing zeros kept: ``9.80``, ``0.0123``, ``12,346``.
 
     Whole digits are never rounded away; below 0.0001 the number is ``≈ 0``, without one it is a dash.
     """
@@ -81,7 +80,7 @@ def ratio(value: float) -> str:
 
 
 def count(value: float) -> str:
-    """A whole number with its thousands apart: ``2 000``."""
+    """A whole number with its thousands apart: ``2,000``."""
     return _typeset(f"{value:.0f}", group_from=4) if math.isfinite(value) else MISSING
 
 
@@ -94,5 +93,5 @@ def _typeset(text: str, group_from: int = 5) -> str:
     sign, text = ("−", text[1:]) if text.startswith("-") else ("", text)
     whole, point, rest = text.partition(".")
     if len(whole) >= group_from:
-        whole = f"{int(whole):,}".replace(",", _NARROW_SPACE)
+        whole = f"{int(whole):,}"
     return sign + whole + point + rest

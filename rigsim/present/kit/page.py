@@ -1,11 +1,39 @@
-"""What every page is made with."""
+"""What every page is made with: one environment, one writer of paragraphs, pictures within the page."""
 
 from __future__ import annotations
 
+import base64
 import re
+from functools import cache
 from typing import Any
 
+from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
+
+from rigsim.present.kit.pictures import encode
+from rigsim.rig.arrays import AnyImage
+
+_PICTURE_WIDTH = 1100
+_MOST_PICTURE_BYTES = 1_000_000
+
+
+@cache
+def environment() -> Environment:
+    """Where the templates are and how they are filled in: text escaped, what is missing an error."""
+    made = Environment(
+        loader=PackageLoader("rigsim.present"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    made.filters["prose"] = prose
+    return made
+
+
+def fill(template: str, **values: Any) -> str:
+    """The page that a template becomes."""
+    return environment().get_template(template).render(**values)
 
 
 def flat(values: dict[str, Any], prefix: str = "") -> list[tuple[str, str]]:
@@ -22,5 +50,16 @@ def flat(values: dict[str, Any], prefix: str = "") -> list[tuple[str, str]]:
 
 
 def prose(text: str) -> Markup:
-    """Escaped text in which `words` between backticks are set as code."""
-    return Markup(re.sub(r"`([^`]*)`", r"<code>\1</code>", str(escape(text))))
+    """Escaped text, with true signs, in which `words` between backticks are set as code."""
+    signs = text.replace("<=", "≤").replace(">=", "≥")
+    return Markup(re.sub(r"`([^`]*)`", r"<code>\1</code>", str(escape(signs))))
+
+
+def data_uri(image: AnyImage) -> str:
+    """The image as an embedded JPEG, made smaller until it is fit for a page."""
+    width = _PICTURE_WIDTH
+    data = encode(image, "jpeg", width=width)
+    while len(data) > _MOST_PICTURE_BYTES and width > 300:
+        width = width * 3 // 4
+        data = encode(image, "jpeg", width=width)
+    return "data:image/jpeg;base64," + base64.b64encode(data).decode("ascii")

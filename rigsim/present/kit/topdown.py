@@ -36,6 +36,7 @@ from rigsim.statistics import inner_range
 
 _MAIN_LEFT, _MAIN_BOTTOM, _MAIN_WIDTH = 0.62, 1.12, 4.75
 _FEW = 12
+_MANY = 300
 _NO_ERROR_M = 1e-9
 
 
@@ -115,11 +116,6 @@ class _Points:
         return len(self.xz) <= _FEW
 
     @property
-    def raster(self) -> bool:
-        """Whether they are too many for single shapes."""
-        return len(self.xz) > 300
-
-    @property
     def size(self) -> float:
         """Area of a mark, square points."""
         return 70.0 if self.few else float(np.clip(9000 / len(self.xz), 5, 24))
@@ -185,7 +181,7 @@ def _draw_points(axes: Axes, points: _Points) -> PathCollection | None:
             edgecolors="#8A8A8A",
             linewidths=0.6,
             zorder=4,
-            rasterized=points.raster,
+            rasterized=len(points.xz) > _MANY,
             gid="seen-by-one",
         )
     if points.lost.any():
@@ -211,7 +207,7 @@ def _draw_points(axes: Axes, points: _Points) -> PathCollection | None:
         c=style.INK,
         linewidths=0,
         zorder=5,
-        rasterized=points.raster,
+        rasterized=len(points.xz) > _MANY,
         gid="exact",
     )
     return None
@@ -230,7 +226,7 @@ def _draw_colored(axes: Axes, points: _Points) -> PathCollection | None:
         linewidths=0.8 if points.few else 0.0,
         edgecolors="white",
         zorder=5,
-        rasterized=points.raster,
+        rasterized=len(points.xz) > _MANY,
         gid="points",
     )
     if not points.few:

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 from rich.console import Console
-from rich.text import Text
 
-from rigsim.present.kit.console import make_console, print_table
+from rigsim.present.kit.console import make_console, paragraph, print_table
 from rigsim.present.kit.format import count, length, length_mm, number, percent
 from rigsim.present.kit.pictures import disparity_picture, encode, picture_limits, with_scale
 from rigsim.rig.arrays import Array, Image
@@ -67,24 +65,24 @@ def print_pair(
     """
     console = console or make_console()
     rig = result.rig
-    _say(
+    paragraph(
         console,
         f"Pair of {rig.left.width} x {rig.left.height} px; baseline {length(rig.baseline_m)}, focal length "
         f"{number(rig.left.fx, 4)} px",
         style="bold",
     )
     for finding in result.findings:
-        _say(console, f"Warning: {finding.says}", style="bold yellow")
+        paragraph(console, f"Warning: {finding.says}", style="bold yellow")
     console.print()
     for matches in result.matches:
         rows = result.verdicts[0] if matches is result.best_matches else row_verdict(matches, rig)
         for sentence in _sentences(matches, rows):
-            _say(console, sentence)
+            paragraph(console, sentence)
         console.print()
         _print_by_depth(matches, console)
     for verdict in result.verdicts:
         if verdict.kind == "untold" or verdict.key == "along_rows":
-            _say(console, verdict.says)
+            paragraph(console, verdict.says)
     console.print()
     if result.boards:
         _print_boards(result, console)
@@ -93,7 +91,7 @@ def print_pair(
     if result.target_quality is not None:
         _print_target(result, console)
     if folder is not None:
-        _say(console, f"Files: {folder}", style="bold")
+        paragraph(console, f"Files: {folder}", style="bold")
 
 
 def pair_pictures(result: PairMeasurement) -> dict[str, bytes]:
@@ -170,11 +168,11 @@ def _print_by_depth(matches: PairMatches, console: Console) -> None:
         rows.append(row)
     columns = ["depth", "matches", "predicted\ntypical", "predicted\nRMS"]
     columns += ["measured\ntypical", "measured\nRMS"] if judged else []
-    _say(console, f"Depth errors of {matches.kind}", style="bold")
+    paragraph(console, f"Depth errors of {matches.kind}", style="bold")
     if judged:
-        _say(console, "Typical is the median, and 1.48 times the median |error|; outliers are left out.")
+        paragraph(console, "Typical is the median, and 1.48 times the median |error|; outliers are left out.")
     else:
-        _say(console, "Typical is the median.")
+        paragraph(console, "Typical is the median.")
     print_table("", columns, rows, numeric=[False] + [True] * (len(columns) - 1), console=console)
 
 
@@ -202,7 +200,7 @@ def _print_boards(result: PairMeasurement, console: Console) -> None:
 def _print_dense(dense: DenseMap, console: Console) -> None:
     low, high = inner_range(dense.disparity)
     rectified = " of the pair, which was rectified first," if dense.rectified else ""
-    _say(
+    paragraph(
         console,
         f"Dense ({dense.matcher}):{rectified} {_pct(dense.image_fill_pct)} % of the pixels have a "
         f"disparity, nearly all from {number(low)} to {number(high)} px.",
@@ -210,7 +208,7 @@ def _print_dense(dense: DenseMap, console: Console) -> None:
     errors = dense.errors
     if errors is not None and math.isfinite(errors.inlier_std_px):
         for sentence in _dense_sentences(errors):
-            _say(console, sentence)
+            paragraph(console, sentence)
     console.print()
     if errors is None:
         return
@@ -288,12 +286,3 @@ def _dots(result: PairMeasurement) -> Image:
 
 def _with_scale(picture: Image, disparity: Array) -> bytes:
     return encode(with_scale(picture, picture_limits(disparity), "disparity, px"))
-
-
-def _say(console: Console, text: str, style: str = "") -> None:
-    """Print prose, wrapped between words; code marks are for pages, not for terminals."""
-    lines = textwrap.wrap(
-        text.replace("`", ""), max(console.width, 20), break_long_words=False, break_on_hyphens=False
-    )
-    for line in lines:
-        console.print(Text(line, style=style), soft_wrap=True)

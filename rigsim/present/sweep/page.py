@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import base64
-from typing import Any
-
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from rigsim.present.kit import style
 from rigsim.present.kit.footprint import footprint
 from rigsim.present.kit.format import count, length
-from rigsim.present.kit.page import flat, prose
-from rigsim.present.kit.pictures import encode
+from rigsim.present.kit.page import data_uri, fill, flat
 from rigsim.present.kit.topdown import topdown_figure
 from rigsim.present.sweep import tables
 from rigsim.present.sweep.measured_words import equivalent_noise_words, method_words, was_measured
@@ -26,9 +21,6 @@ from rigsim.study.agreement.agreement import kind_of
 from rigsim.study.sweep.comparison import row_of_bins
 from rigsim.study.sweep.growth import growth_words
 from rigsim.study.sweep.result import SweepResult
-
-_PICTURE_WIDTH = 1100
-_MOST_PICTURE_BYTES = 1_000_000
 
 
 def showcase_figure(result: SweepResult) -> Figure:
@@ -47,14 +39,6 @@ def report_html(result: SweepResult, plan: Figure | None = None) -> str:
     plan_svg = style.to_svg(
         plan or showcase_figure(result), "plan", "Plan of the rig and its points, from above"
     )
-    environment = Environment(
-        loader=PackageLoader("rigsim.present"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["prose"] = prose
     axes = swept_axes(result)
     figures = [
         {
@@ -69,15 +53,16 @@ def report_html(result: SweepResult, plan: Figure | None = None) -> str:
     best = result.rows.iloc[show.row]
     provenance = dict(flat(result.provenance))
     command = provenance.pop("command", "")
-    return environment.get_template("report.html").render(
+    return fill(
+        "report.html",
         title=_title(result, axes),
         result=result,
         witnesses=witness_table(result),
         equivalent_noise=equivalent_noise_words(best),
         rig=rig_table(result),
         rig_words=_rig_words(result, axes),
-        left=_data_uri(show.image_left),
-        right=_data_uri(show.image_right),
+        left=data_uri(show.image_left),
+        right=data_uri(show.image_right),
         size=f"{show.rig.left.width} × {show.rig.left.height}",
         size_right=f"{show.rig.right.width} × {show.rig.right.height}",
         plan=Markup(plan_svg),
@@ -137,13 +122,3 @@ def _plan_words(result: SweepResult) -> str:
     if nearest is not None and nearest[1] > 0:
         words += f" The dashed green line is the nearest depth that both cameras see, {length(nearest[1])}."
     return words
-
-
-def _data_uri(image: Any) -> str:
-    """The image as an embedded JPEG, made smaller until it is fit for a page."""
-    width = _PICTURE_WIDTH
-    data = encode(image, "jpeg", width=width)
-    while len(data) > _MOST_PICTURE_BYTES and width > 300:
-        width = width * 3 // 4
-        data = encode(image, "jpeg", width=width)
-    return "data:image/jpeg;base64," + base64.b64encode(data).decode("ascii")

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rigsim.present.kit.console import make_console, print_table
+from rigsim.present.kit.console import make_console, paragraph, print_table
 from rigsim.present.kit.format import MISSING, number, percent, plain
 from rigsim.study.tolerance.built import percentile_mm
 from rigsim.study.tolerance.run import ToleranceResult
@@ -81,7 +80,7 @@ def print_tolerance(result: ToleranceResult, folder: Path | None = None) -> None
         recalibration_sentence(result),
     ):
         if sentence:
-            console.print(textwrap.fill(sentence, console.width), soft_wrap=True)
+            paragraph(console, sentence)
     if folder is not None:
         console.print(f"Files: {folder}", soft_wrap=True)
 

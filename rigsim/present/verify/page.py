@@ -6,11 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from rigsim.present.kit import style
-from rigsim.present.kit.page import flat, prose
+from rigsim.present.kit.page import fill, flat
 from rigsim.present.verify.console import (
     FAILURE_HEADS,
     GROUP_HEADS,
@@ -71,21 +70,14 @@ def verify_html(
         strict: whether efficiency counts.
         again: the words that run one triangulator again, without its cases.
     """
-    environment = Environment(
-        loader=PackageLoader("rigsim.present"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["prose"] = prose
     provenance = dict(flat(result.provenance))
     command = provenance.pop("command", "")
     sections = [
         _section(one, strict, (again or {}).get(one.triangulator, ()), f"t{place}")
         for place, one in enumerate(result.triangulators)
     ]
-    return environment.get_template("verify.html").render(
+    return fill(
+        "verify.html",
         passed=result.passed(strict),
         headline=_headline(result, strict),
         sections=sections,

@@ -12,6 +12,7 @@ from rigsim.study.design import words as words
 from rigsim.study.design.budget import MARGIN
 from rigsim.study.design.solve import Candidate, Specification
 from rigsim.study.tolerance.count import AS_BUILT, RECALIBRATED, Count, count_good
+from rigsim.study.tolerance.recalibration.session import Build, Recalibration
 from rigsim.study.tolerance.sensitivities import (
     CLASSES,
     QUANTITIES,
@@ -22,7 +23,6 @@ from rigsim.study.tolerance.sensitivities import (
     shared_points,
     with_values,
 )
-from rigsim.study.tolerance.session import Build, Recalibration
 
 _TIGHTER = 10.0
 _HELD = " held to a tenth of what the class holds"

@@ -14,8 +14,8 @@ from scipy.special import ndtri
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance.batch import PARAMETERS, Rays, RigBatch, read_rays, read_rays_near
-from rigsim.study.tolerance.compensator import Compensator
 from rigsim.study.tolerance.judge import Judge
+from rigsim.study.tolerance.recalibration.compensator import Compensator
 from rigsim.study.tolerance.sensitivities import Causes, first_order
 from rigsim.theory.triangulation import triangulate
 

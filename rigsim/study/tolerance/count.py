@@ -13,12 +13,12 @@ from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance.batch import RigBatch, read_rays
 from rigsim.study.tolerance.built import built_depths, draw, rigs_a_block
-from rigsim.study.tolerance.compensator import Compensator
 from rigsim.study.tolerance.inputs import Causes
 from rigsim.study.tolerance.judge import Judge, make_judge
 from rigsim.study.tolerance.needed import GOOD
+from rigsim.study.tolerance.recalibration.compensator import Compensator
+from rigsim.study.tolerance.recalibration.session import Build, make_compensator
 from rigsim.study.tolerance.sensitivities import Requirement, causes, shared_points
-from rigsim.study.tolerance.session import Build, make_compensator
 
 AS_BUILT = (4000, 12_000)
 """Rigs that are built, and how many more where the first do not tell."""

@@ -12,8 +12,9 @@ from rigsim.errors import InvalidRange
 from rigsim.rig import extent
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance.built import DepthErrors, Rigs, depth_errors, draw
-from rigsim.study.tolerance.compensator import Compensator
 from rigsim.study.tolerance.judge import make_judge
+from rigsim.study.tolerance.recalibration.compensator import Compensator
+from rigsim.study.tolerance.recalibration.session import Build, Recalibration, make_compensator
 from rigsim.study.tolerance.sensitivities import (
     Causes,
     Requirement,
@@ -23,7 +24,6 @@ from rigsim.study.tolerance.sensitivities import (
     sensitivities,
     shared_points,
 )
-from rigsim.study.tolerance.session import Build, Recalibration, make_compensator
 
 if TYPE_CHECKING:
     from rigsim.study.tolerance.sobol import Interactions

@@ -9,9 +9,9 @@ import numpy as np
 from rigsim.rig.arrays import Array, Mask
 from rigsim.study.verify.diagnosis.conditions import set_apart
 from rigsim.study.verify.diagnosis.evidence import Evidence, gather
+from rigsim.study.verify.diagnosis.kinds.of_fitted import fitted, kept
 from rigsim.study.verify.diagnosis.mistake import Mistake
 from rigsim.study.verify.diagnosis.mistakes import LIBRARY
-from rigsim.study.verify.diagnosis.of_fitted import fitted, kept
 from rigsim.study.verify.diagnosis.reenact import QUICK, SOLVERS, Solver, behind
 from rigsim.study.verify.diagnosis.symptoms import symptoms
 from rigsim.study.verify.diagnosis.symptoms_plain import broken, last_resort, wasteful

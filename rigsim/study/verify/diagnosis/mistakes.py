@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from rigsim.rig.arrays import Array
+from rigsim.study.verify.diagnosis.kinds.of_answer import ANSWER
+from rigsim.study.verify.diagnosis.kinds.of_distortion import DISTORTION
+from rigsim.study.verify.diagnosis.kinds.of_lens import NUMBERS, PIXELS
+from rigsim.study.verify.diagnosis.kinds.of_pose import POSE, invert
+from rigsim.study.verify.diagnosis.kinds.of_rectification import RECTIFICATION
 from rigsim.study.verify.diagnosis.mistake import Mistake
-from rigsim.study.verify.diagnosis.of_answer import ANSWER
-from rigsim.study.verify.diagnosis.of_distortion import DISTORTION
-from rigsim.study.verify.diagnosis.of_lens import NUMBERS, PIXELS
-from rigsim.study.verify.diagnosis.of_pose import POSE, invert
-from rigsim.study.verify.diagnosis.of_rectification import RECTIFICATION
 from rigsim.study.verify.diagnosis.reenact import Given, Solver, homogeneous
 
 

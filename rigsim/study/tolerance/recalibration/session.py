@@ -11,7 +11,7 @@ from rigsim.errors import InvalidRange
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance.batch import PARAMETERS
-from rigsim.study.tolerance.compensator import Compensator
+from rigsim.study.tolerance.recalibration.compensator import Compensator
 from rigsim.study.tolerance.sensitivities import Causes, Tolerances, scattered_points
 
 MOST_FEATURES = 1000

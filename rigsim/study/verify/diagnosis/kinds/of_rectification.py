@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from rigsim.rig.arrays import Array
+from rigsim.study.verify.diagnosis.kinds.of_answer import opencv_rectified
 from rigsim.study.verify.diagnosis.mistake import Mistake
-from rigsim.study.verify.diagnosis.of_answer import opencv_rectified
 from rigsim.study.verify.diagnosis.reenact import Given, Lenses, homogeneous, turned
 
 

@@ -1,0 +1,1 @@
+"""The known mistakes by what is done wrong."""
