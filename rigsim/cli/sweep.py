@@ -6,6 +6,7 @@ import importlib.util
 import shlex
 import sys
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,6 +14,7 @@ import typer
 
 from rigsim.cli.kit import ends, quantity
 from rigsim.cli.kit.answer import print_document, print_remarks, quiet
+from rigsim.cli.kit.axes import asked, takes_axes, values_of
 from rigsim.cli.kit.progress import shown
 from rigsim.cli.kit.rigs import RigOptions
 from rigsim.cli.kit.sensors import (
@@ -26,6 +28,7 @@ from rigsim.cli.kit.sensors import (
 )
 from rigsim.cli.kit.triangulators import TIMEOUT, InProcess
 from rigsim.errors import InvalidRange
+from rigsim.study.scene.axes import registry
 
 if TYPE_CHECKING:
     from rigsim.rig.perturbation import Perturbation
@@ -40,18 +43,9 @@ TYPICAL_NOISE_GREY = 2
 """Image noise of an ordinary 8-bit camera in good light, grey levels."""
 
 
+@takes_axes
 def sweep(
-    baseline: Annotated[
-        str | None,
-        typer.Option(help="Baselines, mm: 50:500 (10 values), 50:500:25, 50:500/4, 60,120, 0.12m."),
-    ] = None,
-    focal: Annotated[
-        str | None, typer.Option(help="Focal lengths, px; or mm with --sensor-width or --pixel-pitch.")
-    ] = None,
-    hfov: Annotated[str | None, typer.Option(help="Horizontal fields of view, deg.")] = None,
-    resolution: Annotated[str | None, typer.Option(help="Image sizes: 640x480,1280x960.")] = None,
-    noise: Annotated[str, typer.Option(help="Noise per pixel coordinate, px standard deviation.")] = "0.25",
-    vergence: Annotated[str | None, typer.Option(help="Toe-in angles, deg.")] = None,
+    typed: Mapping[str, str],
     scene: Annotated[str, typer.Option(help="A bundled scene's name, or an MJCF file.")] = "boards",
     mount: Annotated[
         str | None, typer.Option(help="Where the rig sits: body:NAME, site:NAME or camera:NAME.")
@@ -117,14 +111,14 @@ def sweep(
 
     Axes multiply. Lengths are in mm unless mm, cm or m is written.
     """
-    noises_px = quantity.values(noise, quantity.NOISE)
+    noise_values = values_of(typed, registry.OF_NOISE)
     methods = _methods(triangulator)
     timeout_s = None if in_process else quantity.value(timeout, TIMEOUT)
     range_m = None
     if depth_range is not None:
         near_mm, far_mm = quantity.span(depth_range, quantity.DEPTH)
         range_m = (near_mm / 1e3, far_mm / 1e3)
-    options = RigOptions(rig, preset, baseline, focal, hfov, sensor_width, pixel_pitch, resolution, vergence)
+    options = RigOptions.of(typed, rig=rig, preset=preset, sensor_width=sensor_width, pixel_pitch=pixel_pitch)
     grid = options.grid(scene)
     assumed, perturbation = _assumed(assume, rig)
     if image_noise is None and sensor is None and full_well is None and sensor_of(rig) is None:
@@ -145,7 +139,6 @@ def sweep(
     if target is not None:
         folder.check_output(target, force)
 
-    from rigsim.rig.noise import PixelNoise
     from rigsim.study.scene.plan import Plan
     from rigsim.study.sweep.run import sweep as run
 
@@ -164,7 +157,7 @@ def sweep(
     plan = Plan(
         scene=scene,
         mount=mount,
-        noises=tuple(PixelNoise(std_px) for std_px in noises_px),
+        noises=registry.noises(noise_values),
         triangulators=methods,
         range_m=range_m,
         n_points=points,
@@ -176,6 +169,7 @@ def sweep(
         assumed=assumed,
         perturbation=perturbation,
         timeout_s=timeout_s,
+        asked=asked(typed),
         sensors=dict(zip(sensor_labels(sensors, sensor), sensors, strict=True)),
         extra={"command": shlex.join(["rigsim", *sys.argv[1:]])},
     )

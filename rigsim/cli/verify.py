@@ -242,10 +242,8 @@ def _again(
 ) -> list[str]:
     """The words that make the same cases again, those left at their defaults left out."""
     said = ["rigsim", "verify"]
-    for name in RigOptions.__dataclass_fields__:
-        value = getattr(options, name)
-        if value is not None:
-            said += [f"--{name.replace('_', '-')}", str(value)]
+    for name, text in options.typed():
+        said += [f"--{name}", text]
     for text in scene or ():
         said += ["--scene", text]
     if suite != "quick":

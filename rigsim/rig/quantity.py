@@ -19,7 +19,7 @@ LENGTHS = MappingProxyType(
 )
 PIXELS = MappingProxyType({"px": Fraction(1)})
 ANGLES = MappingProxyType({"deg": Fraction(1), "°": Fraction(1)})
-PLAIN: Mapping[str, Fraction] = MappingProxyType({})
+PLAIN: Mapping[str, Fraction] = MappingProxyType({"": Fraction(1)})
 """Of a number without a unit."""
 
 

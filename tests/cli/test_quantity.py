@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from rigsim.cli.kit import quantity
 from rigsim.cli.kit.quantity import BASELINE, DEPTH, FOCAL_PX, HFOV, NOISE, PIXEL_PITCH, VERGENCE
 from rigsim.errors import InvalidRange
+from rigsim.rig.quantity import PLAIN
 
 
 @pytest.mark.parametrize(
@@ -246,3 +247,15 @@ def test_any_text_is_read_within_bounds_or_refused(text: str) -> None:
         found = ()
     assert all(0 < number < math.inf for number in found)
     assert len(found) <= quantity.MAX_VALUES
+
+
+def test_numbers_without_a_unit():
+    ratio = quantity.Kind("ratio", "", PLAIN, above=0)
+    assert quantity.values("10:50/3", ratio) == (10, 30, 50)
+    for text, words in (
+        ("x", "ratio x: must be a number"),
+        ("3mm", "ratio 3mm: unknown unit 'mm'; write none"),
+        ("0", "ratio 0: must be > 0"),
+    ):
+        with pytest.raises(InvalidRange, match=f"^{words}$"):
+            quantity.values(text, ratio)

@@ -14,6 +14,7 @@ import typer
 from rigsim.cli.kit import quantity
 from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
 from rigsim.errors import InvalidRange
+from rigsim.study.scene.axes import registry
 
 if TYPE_CHECKING:
     from rigsim.rig.stereo import StereoRig
@@ -22,27 +23,15 @@ _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
 _RIG_OPTIONS: dict[str, Any] = {
-    "baseline": Annotated[
-        str | None,
-        typer.Option(metavar="LENGTH", help="Distance between the cameras: 150 (mm), 15cm, 0.15m."),
-    ],
-    "focal": Annotated[
-        str | None,
-        typer.Option(
-            metavar="FOCAL", help="Focal length: 1200 (px), or 6mm with --sensor-width or --pixel-pitch."
-        ),
-    ],
-    "hfov": Annotated[
-        str | None, typer.Option(metavar="DEG", help="Horizontal field of view, instead of --focal.")
-    ],
+    **{
+        axis.name: Annotated[str | None, typer.Option(metavar=axis.metavar, help=axis.help_one)]
+        for axis in registry.ALL
+        if axis.of_rig is not None
+    },
     "sensor_width": Annotated[
         str | None, typer.Option(metavar="LENGTH", help="Active sensor width: 6.4mm. Needs --resolution.")
     ],
     "pixel_pitch": Annotated[str | None, typer.Option(metavar="LENGTH", help="Pixel pitch: 3.45um.")],
-    "resolution": Annotated[str | None, typer.Option(metavar="WxH", help="Image size, px: 1280x960.")],
-    "vergence": Annotated[
-        str | None, typer.Option(metavar="DEG", help="Toe-in angle between the two optical axes.")
-    ],
     "rig": Annotated[
         Path | None,
         typer.Option(
@@ -75,7 +64,7 @@ def takes_rig(command: Callable[Concatenate[RigOptions, _P], _R]) -> Callable[..
 
     @functools.wraps(command)
     def run(**words: Any) -> _R:
-        options = RigOptions(**{name: words.pop(name) for name in _RIG_OPTIONS})
+        options = RigOptions.of({name: words.pop(name) for name in _RIG_OPTIONS})
         return cast(Callable[..., _R], command)(options, **words)
 
     own = list(inspect.signature(command, eval_str=True).parameters.values())[1:]

@@ -216,12 +216,13 @@ def _number(text: str, kind: Kind) -> tuple[Fraction, str]:
     if match is None:
         if _NOT_FINITE.fullmatch(text):
             raise InvalidRange(f"{kind.name} {text}: must be a finite number")
-        raise InvalidRange(
-            f"{kind.name} {text or 'empty'}: must be a number, in {kind.plain} or with a unit ({units})"
-        )
+        how = f", in {kind.plain} or with a unit ({units})" if kind.plain else ""
+        raise InvalidRange(f"{kind.name} {text or 'empty'}: must be a number{how}")
     unit = match[2]
     if unit and unit not in kind.factors:
-        raise InvalidRange(f"{kind.name} {text}: unknown unit {unit!r}; write one of {units}")
+        raise InvalidRange(
+            f"{kind.name} {text}: unknown unit {unit!r}; write {f'one of {units}' if kind.plain else 'none'}"
+        )
     number = Decimal(match[1])
     if number and abs(number.adjusted()) > _LARGEST_EXPONENT:
         raise InvalidRange(
@@ -253,4 +254,4 @@ def _bounded(number: Fraction, kind: Kind) -> float:
 
 
 def _say(number: Fraction | float, kind: Kind) -> str:
-    return f"{float(number) / float(kind.factors[kind.plain]):.12g} {kind.plain}"
+    return f"{float(number) / float(kind.factors[kind.plain]):.12g} {kind.plain}".rstrip()

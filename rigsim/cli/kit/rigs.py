@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rigsim.cli.kit import quantity
+from rigsim.cli.kit.axes import values_of
 from rigsim.errors import InvalidRange
+from rigsim.study.scene.axes import registry
 
 if TYPE_CHECKING:
     from rigsim.rig.stereo import StereoRig
@@ -32,6 +34,21 @@ class RigOptions:
     pixel_pitch: str | None = None
     resolution: str | None = None
     vergence: str | None = None
+    more: tuple[tuple[str, str], ...] = ()
+    """Other axes that change the rig, by name."""
+
+    @classmethod
+    def of(cls, typed: Mapping[str, Any], **others: Any) -> RigOptions:
+        """From what was typed, by the options' names; axes that do not change the rig are left out."""
+        own = {name: text for name, text in typed.items() if name in cls.__dataclass_fields__}
+        more = ((axis.name, typed.get(axis.name)) for axis in registry.OF_RIG if axis.name not in own)
+        return cls(**own, **others, more=tuple((name, text) for name, text in more if text is not None))
+
+    def typed(self) -> list[tuple[str, str]]:
+        """The options that were typed, with their values."""
+        own = ((name, getattr(self, name)) for name in type(self).__dataclass_fields__ if name != "more")
+        said = [(name.replace("_", "-"), str(value)) for name, value in own if value is not None]
+        return [*said, *self.more]
 
     @property
     def has_size(self) -> bool:
@@ -96,6 +113,7 @@ class RigOptions:
             vergences_deg=quantity.values(self.vergence, quantity.VERGENCE)
             if self.vergence is not None
             else (),
+            more=values_of(dict(self.more), registry.OF_RIG),
         )
 
     def single(self, scene: str) -> StereoRig:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict
-from typing import Any
-
-from pydantic import Field
+from typing import TYPE_CHECKING, Any
 
 from rigsim.interop.documents.base import Part, Provenance, RemarkPart, Written
+from rigsim.interop.documents.rows import row_model
+from rigsim.study.scene import columns
 from rigsim.study.sweep.comparison import compare
 from rigsim.study.sweep.result import SweepResult
 from rigsim.study.sweep.symptoms import Fault
@@ -25,110 +25,26 @@ class SweepProvenance(Provenance):
     """Noisy repetitions of each point."""
 
 
-class Row(Part):
-    """One configuration, predicted, simulated and measured; the columns of sweep.csv."""
+if TYPE_CHECKING:
 
-    scene: str
-    """Name of the scene."""
-    baseline_mm: float
-    """Distance between the cameras, mm."""
-    focal_px: float
-    """Focal length, px."""
-    hfov_deg: float
-    """Horizontal field of view, degrees."""
-    width_px: int
-    """Image width, px."""
-    height_px: int
-    """Image height, px."""
-    vergence_deg: float
-    """Toe-in angle between the optical axes, degrees."""
-    noise_px: float
-    """Standard deviation of one pixel coordinate, px."""
-    triangulator: str
-    """The method under test."""
-    sensor: str
-    """Lens and sensor of the pictures."""
-    n_points: int
-    """Truth points."""
-    n_visible: int
-    """Truth points that both cameras see."""
-    n_trials: int
-    """Noisy repetitions of each."""
-    scene_fraction: float
-    """Pixels of the left image that show the scene (within the range, or the bin), of all."""
-    visible_fraction: float
-    """Of these pixels, those that show what the right camera sees too."""
-    overlap_fraction: float
-    """Of these pixels, those that show what lies within the right camera's field of view, hidden or not."""
-    failed_fraction: float | None
-    """Triangulations of visible points that gave no point in front of both cameras."""
-    low_disparity_fraction: float | None
-    """Of the pixels that show what both see, those with a depth under 4 of its sigmas; in no RMS."""
-    depth_median_mm: float | None
-    """Median true depth of the points in the statistics, mm."""
-    depth_bias_mm: float | None
-    """Simulated mean depth error, mm."""
-    depth_rmse_mm: float | None
-    """Simulated RMS depth error over the truth points, which are balanced over depth, mm; without the
-    trials at infinity (1/Z below one standard deviation)."""
-    depth_rmse_ci_low_mm: float | None
-    """Lower end of its 95 % confidence interval, mm."""
-    depth_rmse_ci_high_mm: float | None
-    """Upper end of its 95 % confidence interval, mm."""
-    depth_abs_p50_mm: float | None
-    """Median absolute depth error, mm."""
-    depth_abs_p95_mm: float | None
-    """95th percentile of the absolute depth error, mm."""
-    depth_rmse_pct: float | None
-    """RMS of the depth error over the point's own depth, percent."""
-    point_rmse_mm: float | None
-    """RMS distance between triangulated and true point, mm."""
-    predicted_depth_rmse_mm: float | None
-    """The closed forms' answer for the same points, mm."""
-    predicted_over_simulated: float | None
-    """Ratio of the two."""
-    nees: float | None
-    """Mean normalised squared error of (1/Z, X/Z, Y/Z): 3 when the predicted covariance is right."""
-    depth_rmse_image_mm: float | None
-    """Simulated RMS depth error per pixel of the left image, as of a depth map, mm."""
-    predicted_depth_rmse_image_mm: float | None
-    """The closed forms' answer for it, mm."""
-    far_inverse_depth_rmse_per_m: float | None
-    """Simulated RMS error of 1/Z of the points kept out of the RMS of depth, 1/m; null without any."""
-    predicted_far_inverse_depth_rmse_per_m: float | None
-    """The closed forms' answer for them, 1/m."""
-    measured_method: str
-    """What was measured in the two pictures: corners, patches, dense or none."""
-    measured_n: int
-    """Matches that count; 0 when nothing was measured."""
-    measured_outlier_fraction: float | None
-    """Matches of nothing that both cameras see, or more than 3 px of disparity off."""
-    measured_pixel_rms_px: float | None
-    """Measured RMS error of one pixel coordinate, px."""
-    measured_disparity_std_px: float | None
-    """Measured standard deviation of the disparity's error, px; over sqrt(2) it is a --noise."""
-    measured_depth_bias_mm: float | None
-    """Mean depth error of the triangulated matches, mm."""
-    measured_depth_rmse_mm: float | None
-    """RMS depth error of the triangulated matches, mm."""
-    measured_depth_abs_p95_mm: float | None
-    """95th percentile of their absolute depth error, mm."""
-    predicted_from_measured_rmse_mm: float | None
-    """The closed forms' answer for them, from the accuracy that the measurement claims for itself, mm."""
-    measured_over_predicted: float | None
-    """Ratio of the two."""
-    measured_within_3_sigma: float | None
-    """Share of the matches whose pixel error is within three of the standard deviations they claim."""
-    measured_scale: float | None
-    """Within what nine of ten errors lie, over where the claim puts it: 1 when the claim holds."""
-    measured_scale_ci_low: float | None
-    """Lower end of its 99 % interval; 0 with too few points."""
-    measured_scale_ci_high: float | None
-    """Upper end of its 99 % interval; null with too few points."""
-    agreement: str = Field(pattern="^(agrees$|flagged: |untold: )")
-    """agrees; flagged: and why; or untold: and why there is not enough to tell."""
-    agreement_witness: str
-    """Which witness the reason speaks of: simulated, measured, or neither alone."""
+    class Row(Part):
+        """The columns of sweep.csv."""
+
+    class DepthRow(Row):
+        """The columns of sweep_by_depth.csv."""
+
+else:
+    Row = row_model(
+        "Row",
+        "One configuration, predicted, simulated and measured; the columns of sweep.csv.",
+        [columns.COLUMNS[name] for name in columns.ROW_COLUMNS],
+    )
+    DepthRow = row_model(
+        "DepthRow",
+        "One configuration within one bin of true depth; the columns of sweep_by_depth.csv.",
+        [columns.COLUMNS[name] for name in columns.DEPTH_COLUMNS if name not in columns.ROW_COLUMNS],
+        Row,
+    )
 
 
 class Diagnosis(Part):
@@ -157,15 +73,6 @@ class OverallRow(Row):
     """What limits it, in a word or two."""
     diagnosis: Diagnosis | None
     """What is off; null where the simulation is not flagged."""
-
-
-class DepthRow(Row):
-    """One configuration within one bin of true depth; the columns of sweep_by_depth.csv."""
-
-    depth_near_mm: float
-    """Near edge of the bin, mm."""
-    depth_far_mm: float
-    """Far edge of the bin, mm."""
 
 
 class Verdict(Part):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 _DIGITS = 12
@@ -12,7 +12,7 @@ Format: TypeAlias = Literal["text", "count", "number", "short", "angle", "ratio"
 a ratio, a share as percent, millimetres as metres."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Column:
     """One column, for files, documents, pages and docs alike."""
 
@@ -30,6 +30,8 @@ class Column:
     """Whether a row may have none (null, NaN, an empty cell)."""
     pattern: str = ""
     """What words must look like, a regular expression; "" for any."""
+    whole: bool = False
+    """Whether numbers are whole ones; those of the format "count" are in any case."""
 
     @property
     def numeric(self) -> bool:
@@ -44,12 +46,12 @@ class Column:
         return "°" if self.unit == "deg" else self.unit
 
 
-@dataclass(frozen=True, slots=True)
 class Table:
     """Columns that are being put together."""
 
-    columns: list[Column] = field(default_factory=list)
-    """So far, in order."""
+    def __init__(self) -> None:
+        self.columns: list[Column] = []
+        """So far, in order."""
 
     def add(
         self,

@@ -19,7 +19,7 @@ from rigsim.study.agreement.agreement import Agreement, worst
 from rigsim.study.agreement.claims import measured_agreement
 from rigsim.study.agreement.simulated import Part, compare, image_parts
 from rigsim.study.scene.axes import registry
-from rigsim.study.scene.axes.axis import Configuration
+from rigsim.study.scene.axes.configuration import Configuration
 from rigsim.study.scene.column import clean
 from rigsim.study.scene.columns import DEPTH_COLUMNS, ERROR_COLUMNS, ROW_COLUMNS, Row
 from rigsim.study.scene.plan import Triangulator

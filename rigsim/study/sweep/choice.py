@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pandas as pd
 
-from rigsim.study.scene.columns import AXES
+from rigsim.study.scene.columns import AXES, COLUMNS
 from rigsim.study.sweep.comparison import Comparison, compare, reservations
-from rigsim.study.sweep.phrases import AXIS_WORDS, describe, mm, say
+from rigsim.study.sweep.phrases import describe, mm, say
 
 _TIE_SIGMAS = 2.0  # standard errors of the difference under which two rows are as good
 
@@ -68,7 +68,7 @@ def _differ(rows: pd.DataFrame, one: int, other: int) -> bool:
 
 def trend(rows: pd.DataFrame, by_depth: pd.DataFrame, swept: tuple[str, ...], best: int) -> list[str]:
     """How the error at the same distances moves along the first numeric axis, the others held."""
-    numeric = [axis for axis in swept if AXIS_WORDS[axis][1]]
+    numeric = [axis for axis in swept if COLUMNS[axis].numeric]
     if not numeric:
         return []
     axis = numeric[0]

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import pandas as pd
 
+from rigsim.study.scene.axes import registry
+
 AXIS_WORDS = {
-    "baseline_mm": ("baseline", "mm"),
-    "focal_px": ("focal length", "px"),
-    "hfov_deg": ("field of view", "°"),
-    "width_px": ("image width", "px"),
-    "height_px": ("image height", "px"),
-    "vergence_deg": ("vergence", "°"),
-    "noise_px": ("noise", "px"),
-    "triangulator": ("triangulator", ""),
-    "sensor": ("sensor", ""),
+    column.name: (
+        axis.word if place == 0 else column.heading,
+        column.shown_unit if column.numeric else None,
+    )
+    for axis in registry.ALL
+    for place, column in enumerate(axis.columns)
 }
-"""What an axis is called, and its unit; no unit where its values are names."""
+"""What an axis is called, and its unit; None where its values are names."""
 
 
 def describe(row: pd.Series, axes: tuple[str, ...]) -> str:
@@ -26,9 +25,9 @@ def describe(row: pd.Series, axes: tuple[str, ...]) -> str:
 def say(axis: str, value: object) -> str:
     """A value of an axis with its name: ``120 mm of baseline``."""
     words, unit = AXIS_WORDS[axis]
-    if not unit:
+    if unit is None:
         return f"`{value}`"
-    space = "" if unit == "°" else " "
+    space = "" if unit in ("", "°") else " "
     return f"{value:.4g}{space}{unit} of {words}"
 
 

@@ -145,7 +145,8 @@ def _conclude(done: _Done, plan: Plan, simulator: Simulator, lens_note: str) -> 
         why = "; ".join(list(reasons)[:3])
         raise InvalidScene(f"{where}no rig has a result ({why}): {advise(simulator, done.rigs, plan)}")
     far_words = words.far_limit_words(plan.far_limit_m, done.beyond_fraction)
-    swept = words.swept_axes(table, ("baseline_mm", "hfov_deg", "width_px") if lens_note else AXES)
+    first = ("baseline_mm", "hfov_deg", "width_px") if lens_note else AXES
+    swept = words.swept_axes(table, tuple(dict.fromkeys((*plan.asked, *first))))
     per_rig = len(plan.noises) * len(plan.triangulators) * len(plan.sensors)
     return SweepResult(
         rows=table,

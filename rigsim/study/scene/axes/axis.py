@@ -15,25 +15,11 @@ from rigsim.study.scene.column import Column
 
 if TYPE_CHECKING:
     from rigsim.rig.noise import PixelNoise
-    from rigsim.rig.stereo import StereoRig
+    from rigsim.study.scene.axes.configuration import Configuration
     from rigsim.study.scene.recipe import Recipe
 
 
-@dataclass(frozen=True, slots=True)
-class Configuration:
-    """What one row is about."""
-
-    rig: StereoRig
-    """The rig that is assumed."""
-    noise: PixelNoise
-    """Noise of the simulated pixel positions."""
-    triangulator: str
-    """Name of the method under test."""
-    sensor: str
-    """Name of the lens and sensor of the pictures."""
-
-
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Axis:
     """One thing that a sweep can vary."""
 
@@ -62,8 +48,8 @@ class Axis:
     of_noise: Callable[[PixelNoise, float], PixelNoise] | None = None
     """How a value changes the noise."""
     instead_of: str = ""
-    """Name of the axis that says the same in other words: only one of the two may be given, and tables
-    and pictures follow the one that was."""
+    """Name of another axis that this one says in other words: only one of the two may be given, and tables
+    and pictures follow this one where it is."""
     loop: int = 0
     """Where its values stand when several axes are varied: lower ones change more slowly."""
     field: str = ""

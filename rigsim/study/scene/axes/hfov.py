@@ -36,7 +36,6 @@ AXIS = Axis(
     metavar="DEG",
     kind=HFOV,
     of_rig=_change,
-    instead_of="focal",
     loop=2,
     field="hfovs_deg",
 )

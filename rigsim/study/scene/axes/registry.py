@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rigsim.study.scene.axes import (
     baseline,
@@ -16,10 +16,11 @@ from rigsim.study.scene.axes import (
     triangulator,
     vergence,
 )
-from rigsim.study.scene.axes.axis import Axis, Configuration
+from rigsim.study.scene.axes.axis import Axis
 
 if TYPE_CHECKING:
     from rigsim.rig.noise import PixelNoise
+    from rigsim.study.scene.axes.configuration import Configuration
 
 ALL: tuple[Axis, ...] = (
     baseline.AXIS,
@@ -50,7 +51,7 @@ OF_NOISE: tuple[Axis, ...] = tuple(axis for axis in ALL if axis.of_noise is not 
 """Those that change the noise."""
 
 
-def values(configuration: Configuration) -> dict[str, str | float | int]:
+def values(configuration: Configuration) -> dict[str, Any]:
     """The axes' columns of one row."""
     return {
         column.name: value

@@ -38,8 +38,8 @@ def _behind(lens: Intrinsics, width: int, height: int) -> Intrinsics:
 AXIS = Axis(
     name="resolution",
     columns=(
-        Column("width_px", "image width", "px", "short", "Image width, px.", empty=False),
-        Column("height_px", "image height", "px", "short", "Image height, px.", empty=False),
+        Column("width_px", "image width", "px", "short", "Image width, px.", empty=False, whole=True),
+        Column("height_px", "image height", "px", "short", "Image height, px.", empty=False, whole=True),
     ),
     word="image width",
     read=lambda row: (row.rig.left.width, row.rig.left.height),

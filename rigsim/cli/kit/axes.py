@@ -1,0 +1,90 @@
+"""The options of the axes that a sweep can vary, made from their registry."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from typing import Annotated, Any, Concatenate, ParamSpec, TypeVar, cast
+
+import typer
+
+from rigsim.cli.kit import quantity
+from rigsim.errors import InvalidRange
+from rigsim.study.scene.axes import registry
+from rigsim.study.scene.axes.axis import Axis
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
+TYPED: tuple[Axis, ...] = tuple(axis for axis in registry.ALL if axis.of_rig or axis.of_noise)
+"""Those with an option of their own making; triangulators and sensors have theirs in the commands."""
+
+
+def takes_axes(command: Callable[Concatenate[Mapping[str, str], _P], _R]) -> Callable[..., _R]:
+    """Give `command` an option for each axis, and hand it those that were typed, by name, as its first
+    argument."""
+
+    @functools.wraps(command)
+    def run(**words: Any) -> _R:
+        typed = {axis.name: words.pop(axis.name) for axis in TYPED}
+        return cast(Callable[..., _R], command)(_meant(typed), **words)
+
+    options = [
+        inspect.Parameter(
+            axis.name,
+            inspect.Parameter.KEYWORD_ONLY,
+            default=axis.default,
+            annotation=Annotated[str | None, typer.Option(help=axis.help)],
+        )
+        for axis in TYPED
+    ]
+    own = list(inspect.signature(command, eval_str=True).parameters.values())[1:]
+    parameters = [*options, *(item.replace(kind=inspect.Parameter.KEYWORD_ONLY) for item in own)]
+    # where typer looks for a function's parameters
+    run.__annotations__ = {item.name: item.annotation for item in parameters}
+    vars(run)["__signature__"] = inspect.Signature(parameters)
+    return run
+
+
+def values_of(typed: Mapping[str, str], axes: Sequence[Axis]) -> dict[str, tuple[float, ...]]:
+    """The values of those of `axes` that were typed, by name, as the axes take them.
+
+    Raises:
+        InvalidRange: a value cannot be read, or is out of bounds.
+    """
+    return {
+        axis.name: tuple(value * axis.scale for value in quantity.values(typed[axis.name], axis.kind))
+        for axis in axes
+        if axis.kind is not None and axis.name in typed
+    }
+
+
+def asked(typed: Mapping[str, str]) -> tuple[str, ...]:
+    """Columns of the typed axes that say the same as another one in other words."""
+    return tuple(axis.columns[0].name for axis in TYPED if axis.instead_of and axis.name in typed)
+
+
+def _meant(typed: Mapping[str, str | None]) -> dict[str, str]:
+    """What was typed, and what is meant where nothing was.
+
+    Raises:
+        InvalidRange: two axes that say the same were typed.
+    """
+    said = {
+        name: text
+        for name, text in typed.items()
+        if text is not None and text != registry.BY_NAME[name].default
+    }
+    replaced = set()
+    for name in said:
+        other = registry.BY_NAME[name].instead_of
+        if other in said:
+            raise InvalidRange(f"--{other} and --{name} both given: they say the same thing, give one")
+        replaced.add(other)
+    meant = {
+        axis.name: axis.default
+        for axis in TYPED
+        if axis.default is not None and axis.name not in said and axis.name not in replaced
+    }
+    return said | meant
