@@ -1,4 +1,4 @@
-"""Hypothesis profiles: the same examples every time where it must be repeatable."""
+"""Hypothesis profiles: the same examples every time where it must be repeatable; one thread a process."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ import os
 
 from hypothesis import settings
 
+# read when numpy and GL are first loaded: there are as many test processes as cores
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.setdefault("LP_NUM_THREADS", "1")
 os.environ["RIGSIM_NO_NET"] = "1"  # a fault must be seen, not caught in a line
 
 settings.register_profile("ci", deadline=None, derandomize=True)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
+import weakref
 from dataclasses import replace
-from typing import Any
+from typing import Any, ClassVar
 
 import mujoco
 import numpy as np
@@ -30,7 +32,13 @@ _BAND_PX = 1 << 22  # drawn at once: four samples a pixel take 32 bytes each
 
 
 class GlRenderer:
-    """One GL context and one model; use it in the thread that made it, and close it."""
+    """One GL context and one model; use it in the thread that made it, and close it.
+
+    Several may be open at once: whatever one draws or frees, it does in its own context.
+    """
+
+    _current: ClassVar[weakref.ref[GlRenderer] | None] = None
+    """The one whose context is current: what GL is told goes there, whosever it is."""
 
     def __init__(self, scene: Scene, backend: str, width: int, height: int) -> None:
         """Make a renderer for pictures up to `width` x `height` px; with `backs` it draws sheets' backs too.
@@ -43,12 +51,14 @@ class GlRenderer:
         self._size = (width, height)
         scene.model.vis.global_.offwidth = width
         scene.model.vis.global_.offheight = height
+        self._context: Any = None
         self._gl: Any = make_gl_context(backend, width, height)
+        GlRenderer._current = weakref.ref(self)
         self._scn = mujoco.MjvScene(scene.model, maxgeom=3 * scene.model.ngeom + _SPARE_GEOMS)
         self._camera = mujoco.MjvCamera()
         self._camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
         self._options = scene.options
-        self._context: Any = mujoco.MjrContext(scene.model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
+        self._context = mujoco.MjrContext(scene.model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)
         self._context.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR
         self._facets = Facets(self._context, scene.model.vis.quality.numquads)
@@ -104,12 +114,28 @@ class GlRenderer:
         return depth, segmentation
 
     def close(self) -> None:
-        """Give the GL context back."""
-        if self._context is not None:
-            self._facets.free()
-            self._context.free()
-            self._gl.free()
-            self._context = None
+        """Give the GL context back; another renderer that was drawing draws on."""
+        if self._context is None:
+            return
+        drawing = GlRenderer._current() if GlRenderer._current is not None else None
+        self._make_current()
+        context, self._context = self._context, None
+        self._facets.free()
+        context.free()
+        self._gl.free()
+        GlRenderer._current = None
+        if drawing is not None and drawing is not self and drawing._context is not None:
+            drawing._make_current()
+
+    def __del__(self) -> None:
+        # freed in whatever context is current, its names would take another renderer's textures and lists
+        with contextlib.suppress(Exception):
+            self.close()
+
+    def _make_current(self) -> None:
+        if GlRenderer._current is None or GlRenderer._current() is not self:
+            self._gl.make_current()
+            GlRenderer._current = weakref.ref(self)
 
     def _aim(self, side: int, lens: Intrinsics) -> Any:
         """Make ready to draw one camera through `lens`; returns the rectangle to draw into."""
@@ -118,6 +144,7 @@ class GlRenderer:
                 f"picture {lens.width}x{lens.height} px: this renderer was made for "
                 f"{self._size[0]}x{self._size[1]}"
             )
+        self._make_current()
         self._scene.set_lens(side, lens)
         self._camera.fixedcamid = self._scene.camera_ids[side]
         model, data = self._scene.model, self._scene.data

@@ -207,6 +207,19 @@ def test_check_prints_a_line_a_step_and_the_output_of_what_failed(machine: Machi
     assert any(line.startswith("python -m pytest") for line in lines)
 
 
+def test_a_fast_check_runs_what_the_change_can_break(machine: Machine) -> None:
+    code, out, _ = machine.call("check", "--fast")
+    assert code == 0
+    *steps, said = out.splitlines()
+    assert [line.split()[:2] for line in steps] == [
+        ["ok", name] for name in ("format", "lint", "types", "imports", "tests")
+    ]
+    assert said.split() == ["python", "tools/fast.py"]
+    machine.tell("tests-fail")
+    assert machine.call("check", "--fast")[0] == 1
+    assert machine.call("check", "--quick")[::2] == (2, "usage: ./check [--fast]\n")
+
+
 def test_a_set_up_killed_half_way_heals(machine: Machine) -> None:
     machine.tell("pip-hangs")
     with machine.start("run") as process:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -15,6 +16,7 @@ from rigsim.sim.axes import CV_FROM_GL, REP103_FROM_RIG
 from tests.helpers.scenes import SLANTED, WALL_NORMAL_WORLD, WALL_POINT_WORLD, write
 
 LENS = Intrinsics(320, 240, 300.0, 330.0, 140.3, 131.8)
+SMALL = StereoRig.rectified(Intrinsics.from_focal(320, 180, 225.0), 0.12)
 RIGS = {
     "rectified": StereoRig.rectified(LENS, 0.2, right=replace(LENS, cx=150.9)),
     "verged": StereoRig.verged(LENS, 0.3, 12.0),
@@ -172,3 +174,36 @@ def test_distortion_cannot_be_rendered(slanted: Simulator):
     slanted.place(StereoRig.rectified(replace(LENS, distortion=BrownConrady(k1=-0.1)), 0.1))
     with pytest.raises(InvalidRig, match="distortion"):
         slanted.render()
+
+
+def _light(simulator: Simulator) -> np.ndarray:
+    return simulator.render(1).left.light
+
+
+def test_two_simulators_at_once_draw_what_each_draws_alone():
+    def alone(scene: str) -> np.ndarray:
+        with Simulator(scene) as simulator:
+            simulator.place(SMALL)
+            return _light(simulator)
+
+    boards, bin_ = alone("boards"), alone("bin")
+    with Simulator("boards") as outer:
+        outer.place(SMALL)
+        np.testing.assert_array_equal(_light(outer), boards)
+        with Simulator("bin") as inner:
+            inner.place(SMALL)
+            np.testing.assert_array_equal(_light(inner), bin_)
+            np.testing.assert_array_equal(_light(outer), boards)
+        np.testing.assert_array_equal(_light(outer), boards)
+
+
+def test_a_simulator_that_is_dropped_takes_nothing_from_another():
+    dropped = Simulator("boards")
+    dropped.place(SMALL)
+    _light(dropped)
+    with Simulator("bin") as simulator:
+        simulator.place(SMALL)
+        before = _light(simulator)
+        del dropped
+        gc.collect()
+        np.testing.assert_array_equal(_light(simulator), before)
