@@ -1,4 +1,4 @@
-"""For other people's tests: hold a triangulator of theirs to cases whose answer is known.
+"""For other people's tests: test a triangulator of theirs on cases with known answers.
 
 ::
 

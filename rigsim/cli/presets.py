@@ -62,12 +62,12 @@ def _list(items: Sequence[Preset]) -> None:
     ]
     print_table("Rigs made for a scene (--preset)", (*_HEADS, "what it is for"), rigs, numeric=_RIGHT)
     print_table(
-        "Cameras one can buy (--preset)",
+        "Commercial cameras (--preset)",
         (*_HEADS, "min Z\nmm", "search\npx", "claimed\naccuracy"),
         cameras,
         numeric=(*_RIGHT[:-1], True, True, False),
     )
-    typer.echo("? rests on a user's word alone")
+    typer.echo("? unconfirmed user report")
     typer.echo("Sources, and figures that contradict these: rigsim presets NAME")
 
 

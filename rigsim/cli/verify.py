@@ -1,4 +1,4 @@
-"""`rigsim verify`: any triangulator against cases whose answer is known."""
+"""`rigsim verify`: any triangulator on cases with known answers."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def verify(
         bool, typer.Option("--list", help="Say which cases there are, and run nothing.")
     ] = False,
 ) -> None:
-    """Hold triangulators against cases whose answer is known; exit code 3 when one fails.
+    """Test triangulators on cases with known answers; exit code 3 when one fails.
 
     Tolerances follow from the noise, and a correct triangulator fails in one run of 10,000. A rig given by
     options is added to the cases and placed in every scene.

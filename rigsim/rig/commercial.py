@@ -1,4 +1,4 @@
-"""What is published of stereo cameras one can buy: every figure with its source, contradictions included.
+"""What is published of commercial stereo cameras: every figure with its source, contradictions included.
 
 The first figure of a quantity is the one the preset's rig is made of; others of the same quantity
 contradict it or hold in another mode. What no stored page could be found for is left out.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-_HEARSAY = "a user's word alone: "
+_HEARSAY = "unconfirmed user report: "
 
 
 @dataclass(frozen=True, slots=True)

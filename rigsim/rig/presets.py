@@ -1,4 +1,4 @@
-"""Rigs by name: the one each bundled scene is made for, and cameras one can buy."""
+"""Rigs by name: the one each bundled scene is made for, and commercial cameras."""
 
 from __future__ import annotations
 

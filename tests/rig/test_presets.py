@@ -1,4 +1,4 @@
-"""Cameras one can buy, by name: figures with sources, and rigs that follow from them."""
+"""Commercial cameras, by name: figures with sources, and rigs that follow from them."""
 
 from __future__ import annotations
 

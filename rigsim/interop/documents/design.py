@@ -55,7 +55,7 @@ class Recommended(Candidate):
     reason: str
     """Why, or why not."""
     margin: float
-    """Room to the nearer end of its interval, as a share of the baseline."""
+    """Distance of the baseline from its nearest limit, as a share of the baseline."""
     noise_share: float
     """What pixel noise takes of the variance of the depth error asked for; of the worst of several."""
     class_name: Literal["printed", "machined", "calibrated"] | None = Field(alias="class")
@@ -227,7 +227,7 @@ class DesignDocument(Part):
     feasible: list[Feasible]
     """Those with which some baseline meets every requirement."""
     pareto: list[Candidate]
-    """Rigs that no other beats in everything; best first."""
+    """Pareto-optimal rigs; best first."""
     proof: list[Proved]
     """Rigs that were rendered and simulated, in that order."""
     tolerance: DesignTolerance | None

@@ -67,7 +67,7 @@ class ScenesDocument(Part):
     scenes: list[Scene]
     """What --scene takes."""
     presets: list[SceneRig]
-    """What --preset takes; rigsim presets lists the cameras one can buy as well."""
+    """What --preset takes; rigsim presets lists commercial cameras as well."""
     sensors: list[PublishedSensor]
     """What --sensor takes."""
 

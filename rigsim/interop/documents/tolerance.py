@@ -60,7 +60,7 @@ class Quantity(Part):
     common_mm: float
     """At the required distance, what all the image has in common, mm; signed, for a positive deviation."""
     differing_mm: float
-    """At the required distance, what differs by place in the image, mm."""
+    """At the required distance, what varies across the image, mm."""
     variance_share: float
     """Its share of the mean squared depth error there, 0 to 1."""
     sobol_first: float | None

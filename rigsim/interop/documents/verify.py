@@ -192,7 +192,7 @@ class Golden(Part):
 
 
 class VerifyDocument(Part):
-    """Triangulators held against cases whose answer is known."""
+    """Triangulators tested on cases with known answers."""
 
     passed: bool
     """The verdict: exit code 0, or 3 when it is false."""

@@ -35,8 +35,8 @@ def sentences(design: Design, proofs: Sequence[Proof]) -> tuple[str, ...]:
         f"With this camera any baseline from {words.size(low.baseline_m, 4)} to "
         f"{words.size(high.baseline_m, 4)} will do if cameras are built without error: shorter fails "
         f"{words.whole(low.requirement)}, longer fails {words.whole(high.requirement)}.",
-        f"The pick keeps {pick.margin * 100:.2g} % of its baseline from the nearer end"
-        + ("; the interval has no more room." if pick.is_tight else "."),
+        f"The recommended baseline is {pick.margin * 100:.2g} % from its nearest limit"
+        + ("; the interval is too narrow for more." if pick.is_tight else "."),
         _budget(pick, design.specification),
     ]
     if not proofs:
@@ -56,7 +56,7 @@ def sentences(design: Design, proofs: Sequence[Proof]) -> tuple[str, ...]:
     said.append(f"Pixel noise {spec.noise_px:.3g} px per coordinate: {spec.noise_says}.")
     n = len(design.feasible)
     said.append(
-        f"{n} of {len(design.intervals)} cameras can do it; preferred: {design.preference}, with room."
+        f"{n} of {len(design.intervals)} cameras qualify; {design.preference} first, with margin preferred."
     )
     return tuple(said)
 
@@ -147,9 +147,11 @@ def yields_words(tolerance: DesignTolerance) -> str:
         f"{item.name} {words.share(item.as_built.share)} / {words.share(item.recalibrated.share)}"
         for item in tolerance.yields
     )
-    worst = max(c.standard_error for item in tolerance.yields for c in (item.as_built, item.recalibrated))
+    counts = [c for item in tolerance.yields for c in (item.as_built, item.recalibrated)]
+    worst = max(c.standard_error for c in counts)
+    rigs = " to ".join(dict.fromkeys(f"{end(c.n for c in counts):,}" for end in (min, max)))
     return (
-        f"Good rigs with pixel noise, % as built / recalibrated: {', '.join(said)} "
+        f"Yield with pixel noise, {rigs} rigs per class (%), as built / recalibrated: {', '.join(said)} "
         f"(standard error up to {100 * worst:.1f})."
     )
 
@@ -209,7 +211,7 @@ def print_design(
     front = design.pareto[:_MOST]
     more = f", {_MOST} of {len(design.pareto)}" if len(design.pareto) > _MOST else ""
     print_table(
-        f"Rigs that no other beats in every way{more}",
+        f"Pareto-optimal rigs{more}",
         CANDIDATE_HEADS,
         [candidate_row(candidate) for candidate in front],
         numeric=(True,) * 6 + (False,),

@@ -165,7 +165,7 @@ def pareto_figure(design: Design, pick: Candidate) -> Figure:
         axes.set_ylabel("depth error at the far end, mm")
         entries: list[tuple[Artist, str]] = [
             (Line2D([], [], linestyle="", **_STAR), "recommended"),
-            (Line2D([], [], linestyle="", marker="o", color=style.BLUE), "no other beats it\nin every way"),
+            (Line2D([], [], linestyle="", marker="o", color=style.BLUE), "Pareto-optimal"),
             (
                 Line2D([], [], linestyle="", marker="o", markerfacecolor="none", markeredgecolor=style.GREY),
                 "feasible, beaten",

@@ -50,9 +50,9 @@ def print_tolerance(result: ToleranceResult, folder: Path | None = None) -> None
             "build, first\norder",
             "simu-\nlated",
             "median\nrig",
-            "95 of 100\nrigs under",
+            "95th\npercentile",
             "median re-\ncalibrated",
-            "95 of 100\nunder",
+            "95th\npercentile",
             "first order",
         ),
         [
@@ -93,7 +93,7 @@ def quantity_heads(result: ToleranceResult) -> tuple[str, ...]:
         "std or ±",
         *(f"at\n{plain(item.depth_m)} m" for item in result.depths),
         f"common\nat {judged}",
-        "differs\nby place",
+        "varies across\nthe image",
         "share\n%",
         "needed\nalone",
         "equal\nshares",
@@ -190,7 +190,7 @@ def tolerance_figure(result: ToleranceResult) -> Figure:
             [item.differing_mm for item in rows],
             0.38,
             color=style.ORANGE,
-            label="differs by place",
+            label="varies across the image",
         )
         bars.set_yticks(place, [QUANTITIES[item.key] for item in rows])
         bars.grid(visible=False, axis="y")

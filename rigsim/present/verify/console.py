@@ -28,7 +28,7 @@ GROUP_HEADS = (
     "verdict",
 )
 """Columns of `group_rows`."""
-FAILURE_HEADS = ("case", "check", "found", "allowed", "fails as well")
+FAILURE_HEADS = ("case", "check", "found", "allowed", "also fails")
 """Columns of `failure_rows`."""
 
 _MOST_FAILURES = 24

@@ -91,9 +91,9 @@ def passing(path: Path) -> Iterator[list[str]]:
         except MemoryError:
             raise InvalidScene(f"{path}: does not fit into memory: take fewer or smaller elements") from None
         except RecursionError:
-            raise InvalidScene(f"{path}: its elements are nested too deep: mend the file") from None
+            raise InvalidScene(f"{path}: its elements are nested too deep: fix the file") from None
         except (ValueError, RuntimeError, TypeError, KeyError, OverflowError, mujoco.FatalError) as error:
-            raise InvalidScene(f"{path}: {in_words(str(error))}: mend the file") from None
+            raise InvalidScene(f"{path}: {in_words(str(error))}: fix the file") from None
         finally:
             mujoco.set_mju_user_warning(before)
             heard += [str(each.message) for each in warned]
@@ -192,7 +192,7 @@ def _try_apart(path: Path) -> None:
     if code < 0:
         ended = programs.how_it_ended(code)
         raise InvalidScene(
-            f"{path}: MuJoCo dies of it with {ended}: mend the file (a model that attaches itself?)"
+            f"{path}: MuJoCo dies of it with {ended}: fix the file (a model that attaches itself?)"
         )
 
 

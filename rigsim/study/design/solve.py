@@ -260,18 +260,18 @@ def _why_not(specification: Specification, intervals: Sequence[Interval]) -> str
     if ways:
         ends = [interval for interval in intervals if interval.camera == ways[0].camera]
         advice = "; or ".join(words.relaxation(way, noise_px) for way in ways[:3])
-        return f"no rig meets all of it: {_collision(ends[0])}; relax one: {advice}"
+        return f"no rig meets all requirements: {_collision(ends[0])}; relax one: {advice}"
     fitting = [interval for interval in intervals if not interval.failed]
     if not fitting:
         failed = dict.fromkeys(requirement for interval in intervals for requirement in interval.failed)
         return (
-            f"no rig meets all of it: none of the {len(intervals)} cameras has "
+            f"no rig meets all requirements: none of the {len(intervals)} cameras has "
             f"{' and '.join(words.whole(requirement) for requirement in failed)}; try other --resolution, "
             "--sensor or --lens"
         )
     nearest = min(fitting, key=lambda interval: _gap(interval))
     return (
-        f"no rig meets all of it: {_collision(nearest)}; no single requirement would do, relax one "
+        f"no rig meets all requirements: {_collision(nearest)}; no single requirement would do, relax one "
         f"that asks for a longer baseline ({_kinds(asked, True)}) and one that limits it "
         f"({_kinds(asked, False)})"
     )

@@ -1,1 +1,1 @@
-"""Holding any triangulator against cases whose answer is known."""
+"""Holding any triangulator on cases with known answers."""
