@@ -149,7 +149,7 @@ def yields_words(tolerance: DesignTolerance) -> str:
     )
     counts = [c for item in tolerance.yields for c in (item.as_built, item.recalibrated)]
     worst = max(c.standard_error for c in counts)
-    rigs = " to ".join(dict.fromkeys(f"{end(c.n for c in counts):,}" for end in (min, max)))
+    rigs = " to ".join(dict.fromkeys(f"{end(c.rigs for c in counts):,}" for end in (min, max)))
     return (
         f"Yield with pixel noise, {rigs} rigs per class (%), as built / recalibrated: {', '.join(said)} "
         f"(standard error up to {100 * worst:.1f})."
