@@ -15,7 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 from types import FrameType
 
-from benchmarks._fuzz_seeds import SEEDS
+from benchmarks.subjects.fuzz_seeds import SEEDS
 from rigsim.cli import app
 from rigsim.cli.kit.ends import NO_NET
 

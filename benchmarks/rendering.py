@@ -37,7 +37,7 @@ def compare(scene: str, rig: StereoRig) -> tuple[np.ndarray, float]:
     """Absolute depth differences (N,) um over both views, and the largest frustum difference, px."""
     import mujoco
 
-    from rigsim.sim import render
+    from benchmarks.subjects.frusta import drawn_frustum
     from rigsim.sim.truth import rays
 
     flat = (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_MESH)
@@ -56,10 +56,7 @@ def compare(scene: str, rig: StereoRig) -> tuple[np.ndarray, float]:
             same &= np.isin(simulator.scene.model.geom_type[geom], flat) & (exact > NEAR_M) & (exact < FAR_M)
             errors.append(np.abs(view.depth - exact)[same] * 1e6)
             lens = simulator.scene.lens(side)
-            renderer = simulator._renderer
-            assert isinstance(renderer, render.GlRenderer)
-            renderer.depth_and_segmentation(side)
-            drawn = render.read_frustum(renderer._scn.camera[0], lens.width, lens.height)
+            drawn = drawn_frustum(simulator, side)
             asked = (lens.fx, lens.fy, lens.cx, lens.cy)
             frustum_px = max(frustum_px, float(np.abs(np.subtract(drawn, asked)).max()))
     return np.concatenate(errors), frustum_px

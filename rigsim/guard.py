@@ -1,6 +1,6 @@
 """What must end with this process, even if it is killed: programs it started, and temporary folders.
 
-A guardian process (`rigsim._guardian`) is started with the first of them and ends by itself.
+A guardian process (`rigsim.guardian`) is started with the first of them and ends by itself.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from rigsim import _guardian
+from rigsim import guardian
 
 _guardians: dict[int, int] = {}
 """The descriptor at which each listens, by the process they guard: one that was forked needs its own."""
@@ -43,19 +43,19 @@ def temporary_folder(prefix: str) -> Iterator[Path]:
     try:
         yield Path(folder)
     finally:
-        _guardian.remove(folder)
+        guardian.remove(folder)
         let_go("path", folder)
 
 
 def _tell(*message: str) -> None:
     """A guardian that has gone, or cannot be had, is no reason to fail."""
-    guardian = _guardians.get(os.getpid())
-    if guardian is None:
+    own = _guardians.get(os.getpid())
+    if own is None:
         with contextlib.suppress(OSError, subprocess.SubprocessError):
-            guardian = _guardians[os.getpid()] = _start()
-    if guardian is not None:
+            own = _guardians[os.getpid()] = _start()
+    if own is not None:
         with contextlib.suppress(OSError):
-            os.write(guardian, json.dumps(message).encode() + b"\n")
+            os.write(own, json.dumps(message).encode() + b"\n")
 
 
 def _start() -> int:
@@ -63,7 +63,7 @@ def _start() -> int:
     try:
         # a session of its own: Ctrl-C and a killed process group are not for it
         subprocess.run(
-            [sys.executable, "-I", "-S", _guardian.__file__],
+            [sys.executable, "-I", "-S", guardian.__file__],
             stdin=theirs,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,

@@ -16,7 +16,7 @@ from collections.abc import Mapping, Sequence
 from typing import IO
 
 from rigsim import guard
-from rigsim._guardian import end_family
+from rigsim.guardian import end_family
 
 MOST_SAID = 1_000_000
 """Of what a program prints so many bytes are kept; what comes later replaces it."""

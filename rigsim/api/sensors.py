@@ -12,8 +12,8 @@ from typing import Any
 
 from rigsim.errors import InvalidRange, InvalidRig
 from rigsim.rig import given
+from rigsim.rig.catalogue.sensors import SENSORS, SensorPreset, sensor_preset
 from rigsim.rig.sensor import Sensor
-from rigsim.rig.sensors import SENSORS, SensorPreset, sensor_preset
 
 TYPICAL_NOISE_GREY = 2.0
 """Image noise of an ordinary 8-bit camera in good light, grey levels."""

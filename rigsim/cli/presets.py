@@ -11,7 +11,7 @@ from rigsim.cli.kit.answer import print_document
 from rigsim.cli.kit.options import Json
 
 if TYPE_CHECKING:
-    from rigsim.rig.commercial import Figure
+    from rigsim.rig.catalogue.commercial import Figure
     from rigsim.rig.presets import Preset
 
 _NAMES = {

@@ -10,13 +10,13 @@ from rigsim.cli.kit.answer import print_document
 from rigsim.cli.kit.options import Json
 
 if TYPE_CHECKING:
-    from rigsim.rig.sensors import SensorPreset
+    from rigsim.rig.catalogue.sensors import SensorPreset
 
 
 def scenes(as_json: Json = False) -> None:
     """List the bundled scenes, the preset rigs and the sensors."""
+    from rigsim.rig.catalogue.sensors import SENSORS
     from rigsim.rig.presets import PRESETS
-    from rigsim.rig.sensors import SENSORS
     from rigsim.sim.scenes import library
 
     bundled = [(name, library.about(name)) for name in library.names()]

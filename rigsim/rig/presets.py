@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from rigsim.errors import InvalidScene
 from rigsim.rig import given
-from rigsim.rig.commercial import CAMERAS, Camera, Figure, first
+from rigsim.rig.catalogue.commercial import CAMERAS, Camera, Figure, first
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
 

@@ -13,8 +13,8 @@ from rigsim.cli.app import run
 from rigsim.cli.kit.sensors import sensor_from, sensor_labels, sensors_from
 from rigsim.errors import InvalidRange, InvalidRig, RigsimError
 from rigsim.interop.formats.rig_toml import parse_rig, parse_sensor
+from rigsim.rig.catalogue.sensors import SENSORS, SensorPreset
 from rigsim.rig.sensor import Sensor
-from rigsim.rig.sensors import SENSORS, SensorPreset
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "reference" / "sensors.md").read_text(encoding="utf-8")
 RIG = "baseline_mm = 120\nwidth_px = 1280\nheight_px = 720\nfocal_px = 900\n"

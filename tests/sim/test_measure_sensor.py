@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from benchmarks.subjects.checker_images import board_corners, board_homography, board_image
 from rigsim.errors import InvalidImage, InvalidRig
 from rigsim.pixels.corners.corners import refine_corners
+from rigsim.rig.catalogue.sensors import SENSORS, sensor_preset
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.sensor import Sensor
-from rigsim.rig.sensors import SENSORS, sensor_preset
 from rigsim.sim.exposure import average_pixels, digitise, expose, optics
 from rigsim.sim.lens import distort_image, rectify_image, wider_intrinsics
 

@@ -11,7 +11,7 @@ from rigsim.errors import InvalidRange, InvalidRig
 from rigsim.rig import extent
 
 if TYPE_CHECKING:
-    from rigsim.rig.sensors import SensorPreset
+    from rigsim.rig.catalogue.sensors import SensorPreset
     from rigsim.theory.inverse import Camera, Requirement
 
 _PERCENT = re.compile(r"([0-9]*\.?[0-9]+)\s*%")
@@ -128,7 +128,7 @@ def cameras(resolution: str | None, sensor: str | None, lens: str | None, fov: s
 
 
 def _chips(names: str) -> list[SensorPreset]:
-    from rigsim.rig.sensors import sensor_preset
+    from rigsim.rig.catalogue.sensors import sensor_preset
 
     chips: list[SensorPreset] = []
     for name in names.split(","):

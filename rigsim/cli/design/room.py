@@ -46,7 +46,7 @@ def has_own_noise(name: str, optics: Optics) -> bool:
     """Whether the noise of the sensor's pictures is published or given."""
     if not name:
         return optics.image_noise is not None or optics.full_well is not None
-    from rigsim.rig.sensors import sensor_preset
+    from rigsim.rig.catalogue.sensors import sensor_preset
 
     preset = sensor_preset(name)
     return not (

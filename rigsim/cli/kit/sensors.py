@@ -18,8 +18,8 @@ from rigsim.cli.kit import quantity
 from rigsim.errors import InvalidRange, InvalidRig
 
 if TYPE_CHECKING:
+    from rigsim.rig.catalogue.sensors import SensorPreset
     from rigsim.rig.sensor import Sensor
-    from rigsim.rig.sensors import SensorPreset
 
 SensorName = Annotated[
     str | None,
@@ -131,7 +131,7 @@ def sensor_labels(sensors: Sequence[Sensor], name: str | None = None) -> tuple[s
 
 
 def _named(name: str, full_well_e: float | None, read_noise_e: float | None) -> Sensor:
-    from rigsim.rig.sensors import sensor_preset
+    from rigsim.rig.catalogue.sensors import sensor_preset
 
     preset = sensor_preset(name)
     missing = [
@@ -161,8 +161,8 @@ def sensor_of(rig_path: Path | None) -> Sensor | None:
 
 
 def _label(sensor: Sensor, name: str | None, grey: str) -> str:
+    from rigsim.rig.catalogue.sensors import SENSORS, sensor_preset
     from rigsim.rig.sensor import Sensor
-    from rigsim.rig.sensors import SENSORS, sensor_preset
 
     preset = (
         sensor_preset(name)

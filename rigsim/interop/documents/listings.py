@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal
 from rigsim.interop.documents.base import Part, SeenRig, seen_rig
 
 if TYPE_CHECKING:
+    from rigsim.rig.catalogue.sensors import SensorPreset
     from rigsim.rig.presets import Preset
-    from rigsim.rig.sensors import SensorPreset
     from rigsim.sim.backend import Probe
 
 

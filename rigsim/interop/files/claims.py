@@ -17,8 +17,8 @@ import tempfile
 from pathlib import Path
 
 from rigsim import guard
-from rigsim._guardian import remove as remove_path
 from rigsim.errors import OutputError
+from rigsim.guardian import remove as remove_path
 
 _TEMPORARY = re.compile(r"\.rigsim-(?:(\d+)-(\d+)-)?[0-9a-f]{8}\.tmp")
 _claimed: dict[Path, tuple[int, int, Path]] = {}

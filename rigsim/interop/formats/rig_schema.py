@@ -139,8 +139,8 @@ class _Sensor(_Table):
 
     def sensor(self) -> Sensor:
         # only files that hold a sensor pay for what it loads
+        from rigsim.rig.catalogue.sensors import sensor_preset
         from rigsim.rig.sensor import Sensor
-        from rigsim.rig.sensors import sensor_preset
 
         given: dict[str, Any] = {}
         for key in self.model_fields_set - {"name"}:

@@ -21,7 +21,7 @@ from rigsim.present.kit import style
 from rigsim.present.kit.format import count
 from rigsim.present.kit.page import data_uri, fill
 from rigsim.present.tolerance.console import quantity_heads, quantity_rows, tolerance_figure
-from rigsim.rig.sensors import sensor_preset
+from rigsim.rig.catalogue.sensors import sensor_preset
 from rigsim.study.design import words as words
 from rigsim.study.design.proof import Proof, recommended
 from rigsim.study.design.solve import Candidate, Design

@@ -1,4 +1,4 @@
-"""The lens and sensor that the pictures are taken with; their names are in `rigsim.rig.sensors`."""
+"""The lens and sensor that the pictures are taken with; their names are in `rigsim.rig.catalogue.sensors`."""
 
 from __future__ import annotations
 

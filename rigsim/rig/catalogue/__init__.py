@@ -1,0 +1,1 @@
+"""What can be bought: cameras and sensors by name."""
