@@ -1,0 +1,117 @@
+"""Axes and columns: each said once, and a new axis is one file and its lines in the registry."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from rigsim import Intrinsics, Plan, Pose, RigGrid, StereoRig
+from rigsim.errors import InvalidRange
+from rigsim.interop.documents.sweep import DepthRow, OverallRow
+from rigsim.present.sweep.column_words import COLUMNS as WORDS
+from rigsim.study.scene import columns
+from rigsim.study.scene.axes import registry
+
+ROOT = Path(__file__).resolve().parents[2]
+
+SNR = '''
+"""The signal-to-noise ratio of the pictures, as pixel noise: a position is found to 5 px / SNR."""
+
+from dataclasses import replace
+
+from rigsim.rig.quantity import PLAIN, Kind
+from rigsim.study.scene.axes.axis import Axis
+from rigsim.study.scene.column import Column
+
+AXIS = Axis(
+    name="snr",
+    columns=(Column("snr", "signal-to-noise", "", "short", "Signal-to-noise ratio.", empty=False),),
+    word="signal-to-noise ratio",
+    read=lambda row: (5.0 / row.noise.std_px,),
+    help="Signal-to-noise ratios, instead of --noise.",
+    kind=Kind("signal-to-noise ratio", "", PLAIN, above=0),
+    of_noise=lambda noise, value: replace(noise, std_px=5.0 / value),
+    instead_of="noise",
+)
+'''
+
+
+def test_a_new_axis_is_one_file_and_its_lines_in_the_registry(tmp_path: Path) -> None:
+    ignored = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(ROOT / "rigsim", tmp_path / "rigsim", ignore=ignored)
+    (tmp_path / "models").symlink_to(ROOT / "models")
+    axes = tmp_path / "rigsim" / "study" / "scene" / "axes"
+    (axes / "snr.py").write_text(SNR, encoding="utf-8")
+    text = (axes / "registry.py").read_text(encoding="utf-8")
+    text = text.replace("    sensor,\n", "    sensor,\n    snr,\n", 1)
+    text = text.replace("    noise.AXIS,\n", "    noise.AXIS,\n    snr.AXIS,\n", 1)
+    (axes / "registry.py").write_text(text, encoding="utf-8")
+
+    def rigsim(*words: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [sys.executable, "-m", "rigsim", "sweep", *words],
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONPATH": str(tmp_path)},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+
+    small = ["--resolution", "160x120", "--points", "100", "--trials", "5", "--measure", "none"]
+    done = rigsim("--snr", "10:50/3", *small, "--json", "--out", "report")
+    assert done.returncode == 0, done.stderr
+    document = json.loads(done.stdout)
+    assert document["swept"] == ["snr"]
+    assert [row["snr"] for row in document["rows"]] == pytest.approx([10, 30, 50])
+    assert [row["noise_px"] for row in document["rows"]] == pytest.approx([0.5, 5 / 30, 0.1])
+    assert any("From 10 to 50 of signal-to-noise ratio" in one for one in document["verdict"]["sentences"])
+    assert pd.read_csv(tmp_path / "report" / "sweep.csv")["snr"].tolist() == pytest.approx([10, 30, 50])
+    assert "signal-to-noise" in (tmp_path / "report" / "report.html").read_text(encoding="utf-8")
+    both = rigsim("--snr", "10", "--noise", "0.3", *small)
+    assert both.returncode == 2
+    assert "--noise and --snr both given" in both.stderr
+
+
+def test_streams_and_rigs_are_what_they_always_were() -> None:
+    lens = Intrinsics(640, 480, 500.0, 510.0, 320.5, 239.0)
+    bases = (
+        StereoRig.rectified(lens, 0.125),
+        StereoRig(lens, lens, Pose([[1, 0, 0], [0, 1, 0], [0, 0, 1]], [-0.25, 0.0, 0.0])),
+    )
+    said = hashlib.sha256()
+    for base in bases:
+        for rig in RigGrid(
+            base,
+            baselines_m=(0.0625, 0.5),
+            focals_px=(400, 800),
+            resolutions_px=((320, 240), (1280, 960)),
+        ):
+            said.update(Plan().stream("truth", "boards", rig).random(3).tobytes())
+    # of the program before axes had a registry
+    assert said.hexdigest() == "3cff7789f2e321b9e3fcbb1632f8fd3259e6b240fa38f6bdaaaa6a6868000fdf"
+
+
+def test_every_table_of_a_sweep_has_the_same_columns() -> None:
+    assert tuple(OverallRow.model_fields) == (*columns.ROW_COLUMNS, "limited_by", "diagnosis")
+    assert set(DepthRow.model_fields) == set(columns.DEPTH_COLUMNS) == set(WORDS)
+    for name, field in OverallRow.model_fields.items():
+        if name in columns.COLUMNS:
+            assert field.description == columns.COLUMNS[name].meaning
+
+
+def test_axes_have_names_columns_and_options_of_their_own() -> None:
+    assert len(registry.BY_NAME) == len(registry.ALL)
+    assert len(registry.OF_COLUMN) == sum(len(axis.columns) for axis in registry.ALL)
+    assert len({axis.loop for axis in registry.OF_RIG}) == len(registry.OF_RIG)
+    for axis in registry.ALL:
+        assert axis.instead_of == "" or axis.instead_of in registry.BY_NAME
+    with pytest.raises(InvalidRange, match="axis 'snr': must be one of"):
+        RigGrid(StereoRig.rectified(Intrinsics.from_hfov(64, 48, 60), 0.1), more={"snr": [1.0]})
