@@ -1,9 +1,18 @@
 """The names of `rigsim` and the modules they are loaded from: for type checkers and `lazy_loader`."""
 
 from ._version import __version__ as __version__
+from .api.compare import compare as compare
+from .api.design import design as design
 from .api.draw import rig_figure as rig_figure
+from .api.export import export_dataset as export_dataset
+from .api.export import export_rig as export_rig
+from .api.infer import infer as infer
+from .api.measure import measure as measure
+from .api.render import render as render
 from .api.rigs import read_rig as read_rig
 from .api.sweep import sweep as sweep
+from .api.tolerance import tolerance as tolerance
+from .api.verify import verify as verify
 from .errors import RigsimError as RigsimError
 from .interop.formats.rig_toml import write_rig as write_rig
 from .rig.intrinsics import Intrinsics as Intrinsics

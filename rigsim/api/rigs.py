@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
-from rigsim.errors import InvalidRange, InvalidRig, InvalidScene
+from rigsim.errors import InvalidRange, InvalidScene
 from rigsim.rig import given
 from rigsim.rig.stereo import StereoRig
 
@@ -142,11 +142,3 @@ def _preset_name(rig: str | os.PathLike[str]) -> str | None:
 
         return None if in_folder(Path(rig)) else name
     return name
-
-
-def one_size(size: object) -> tuple[int, int]:
-    """A (width, height), px."""
-    sides = given.reals(size, "resolution", InvalidRig)
-    if len(sides) != 2 or not all(side.is_integer() for side in sides):
-        raise InvalidRange(f"resolution {given.shown(size)}: must be (width, height), whole px")
-    return int(sides[0]), int(sides[1])

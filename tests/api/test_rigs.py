@@ -68,4 +68,4 @@ def test_a_rig_draws_itself() -> None:
     assert figure.axes[0].get_title(loc="left") == "mine"
     low, high = figure.axes[0].get_ylim()
     assert low < 0.1
-    assert high > 2.0
+    assert high > 2.0  # the cameras and the point are on it

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 
 from rigsim.present.kit import style
+from rigsim.present.kit.picture_figure import picture_figure
 from rigsim.present.kit.pictures import anaglyph, disparity_picture, encode, picture_limits, with_scale
 from rigsim.present.kit.topdown import topdown_figure
 from rigsim.present.sweep import page as report
@@ -64,3 +65,19 @@ def plot_points(
 ) -> bytes:
     """PNG of a few points (N, 3) m in the left camera's frame, from above, with lines of sight."""
     return style.to_png(topdown_figure(rig, points_left, noise=noise, rays=True, title=title))
+
+
+def render_figures(snapshot: Snapshot) -> dict[str, Callable[[], Figure]]:
+    """What draws each picture of a rendered pair, by name: left, right and disparity."""
+    left, right = snapshot.frame.left.image, snapshot.frame.right.image
+
+    def disparity() -> Figure:
+        limits = picture_limits(snapshot.disparity)
+        picture = with_scale(disparity_picture(snapshot.disparity, limits), limits, "disparity, px")
+        return picture_figure(picture, "disparity, px")
+
+    return {
+        "left": lambda: picture_figure(left, "left picture"),
+        "right": lambda: picture_figure(right, "right picture"),
+        "disparity": disparity,
+    }

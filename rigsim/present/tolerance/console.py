@@ -85,6 +85,11 @@ def print_tolerance(result: ToleranceResult, folder: Path | None = None) -> None
         console.print(f"Files: {folder}", soft_wrap=True)
 
 
+def headline(result: ToleranceResult) -> str:
+    """The answer in one sentence."""
+    return yield_sentence(result)
+
+
 def quantity_heads(result: ToleranceResult) -> tuple[str, ...]:
     """Heads of the ranked table; a newline starts a second line."""
     judged = f"{plain(result.required.depth_m)} m"

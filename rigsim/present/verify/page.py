@@ -79,7 +79,7 @@ def verify_html(
     return fill(
         "verify.html",
         passed=result.passed(strict),
-        headline=_headline(result, strict),
+        headline=headline(result, strict),
         sections=sections,
         summary=[_summary(one, strict) for one in result.triangulators],
         group_heads=[head.replace("\n", " ") for head in GROUP_HEADS],
@@ -100,7 +100,8 @@ def worst_table(result: CaseResult) -> list[tuple[str, ...]]:
     return [_worst(row) for row in worst_rows(result)]
 
 
-def _headline(result: VerifyResult, strict: bool) -> str:
+def headline(result: VerifyResult, strict: bool = False) -> str:
+    """The answer in one sentence."""
     if len(result.triangulators) == 1:
         return words.verdict(result.triangulators[0], strict)
     good = sum(one.passed(strict) for one in result.triangulators)

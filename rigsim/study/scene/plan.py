@@ -64,7 +64,7 @@ class RigGrid:
         for name in more:
             if name not in registry.BY_NAME or registry.BY_NAME[name] not in registry.OF_RIG:
                 raise InvalidRange(f"axis {name!r}: must be one of {', '.join(registry.BY_NAME)}")
-        object.__setattr__(self, "resolutions_px", _sizes(self.resolutions_px))
+        object.__setattr__(self, "resolutions_px", sizes(self.resolutions_px))
         if self.focals_px and self.hfovs_deg:
             raise InvalidRange("--focal and --hfov both given: they say the same thing, give one")
 
@@ -100,13 +100,13 @@ class RigGrid:
         )
 
 
-def _sizes(given_sizes: object) -> tuple[tuple[int, int], ...]:
+def sizes(given_sizes: object) -> tuple[tuple[int, int], ...]:
     """Sizes (width, height) in px: one, or several."""
-    sizes = given.several(given_sizes)
-    if len(sizes) == 2 and not any(np.ndim(np.asarray(side, object)) for side in sizes):
-        sizes = (sizes,)
+    asked = given.several(given_sizes)
+    if len(asked) == 2 and not any(np.ndim(np.asarray(side, object)) for side in asked):
+        asked = (asked,)
     found = []
-    for size in sizes:
+    for size in asked:
         sides = given.reals(size, "resolution")
         if len(sides) != 2 or not all(side.is_integer() for side in sides):
             raise InvalidRange(f"resolution {given.shown(size)}: must be (width, height), whole px")

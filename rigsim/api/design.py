@@ -1,0 +1,308 @@
+"""`rigsim.design`: from requirements to a rig, proved in a scene."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from rigsim.api.asked import DepthError, depth_errors
+from rigsim.api.cameras import CameraOptions
+from rigsim.api.plain import takes
+from rigsim.api.result import Result
+from rigsim.api.rigs import Several, Sizes
+from rigsim.api.sensors import SensorOptions
+from rigsim.api.trial import Place, fittings, has_own_noise, try_out
+from rigsim.errors import InvalidRange
+from rigsim.rig import given
+from rigsim.rig.remark import Remark
+from rigsim.rig.sensor import Sensor
+from rigsim.rig.stereo import StereoRig
+from rigsim.study.design.proof import Proof, recommended
+from rigsim.study.design.solve import PRIOR_NOISE_PX, Design, Specification, solve, specify
+from rigsim.study.design.tolerance import DesignTolerance, design_tolerance
+from rigsim.study.tolerance.sensitivities import CLASSES
+from rigsim.theory.inverse import Requirement
+from rigsim.theory.inverse_error import P95_OVER_STD
+
+if TYPE_CHECKING:
+    from rigsim.interop.documents.base import Written
+    from rigsim.present.kit.types import Figure, Table
+
+
+@dataclass(frozen=True, slots=True)
+class DesignOptions:
+    """The arguments of `design`, which says what they mean."""
+
+    range_m: tuple[float, float]
+    _: KW_ONLY
+    depth_error_mm: Several | None = None
+    depth_error_pct: Several | None = None
+    at_m: Several | None = None
+    p95: bool = False
+    errors: Sequence[DepthError] = ()
+    fov_deg: float | None = None
+    cover_mm: float | None = None
+    cover_at_m: float | None = None
+    max_baseline_mm: float | None = None
+    max_disparity_px: float | None = None
+    max_pixels: float | None = None
+    min_overlap: Several = ()
+    min_overlap_at_m: Several | None = None
+    nearest_focus_m: float = 0.0
+    noise_px: float | None = None
+    build_share: float = 0.5
+    resolutions_px: Sizes = ()
+    sensors: str | Sequence[str] = ()
+    lenses_mm: Several = ()
+    lenses_px: Several = ()
+    lenses_deg: Several = ()
+    prefer: str = "cheapest"
+    scene: str | os.PathLike[str] = "boards"
+    proof: bool = True
+    measure: str = "auto"
+    blur_px: float | None = None
+    image_noise_grey: Several = ()
+    full_well_e: float | None = None
+    read_noise_e: float | None = None
+    tolerance_class: str = "machined"
+    seed: int = 0
+    renderer: str = "auto"
+    command: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Designed(Result):
+    """The rig to take, what else would do, and whether it was proved."""
+
+    found: Design
+    """Everything the formulas say."""
+    proofs: tuple[Proof, ...]
+    """What became of the rigs that were tried; empty when no proof was asked for."""
+    tolerance: DesignTolerance | None
+    """What the build must hold; None where no built rig can be judged."""
+    sensor: Sensor | None
+    """What rig.toml says of the sensor; None for nothing."""
+    command: str = ""
+    """What the page names as the command that made it."""
+    remarks: tuple[Remark, ...] = ()
+    """What is odd about the scene or the rigs' place in it."""
+
+    @property
+    def rig(self) -> StereoRig:
+        """The rig to take."""
+        return recommended(self.found, self.proofs).rig
+
+    @property
+    def table(self) -> Table:
+        """One row a rig that no other beats in all of error, baseline, field of view and pixels."""
+        from rigsim.present.kit.types import table
+
+        return table(self.document()["pareto"])
+
+    @property
+    def verdict(self) -> Literal["verified", "not verified", "not tried"]:
+        """Whether simulation and pixels keep what the formulas promised of the rig to take."""
+        if not self.proofs:
+            return "not tried"
+        return "verified" if self.proofs[-1].verified else "not verified"
+
+    @property
+    def headline(self) -> str:
+        """The answer in one sentence."""
+        from rigsim.present.design.console import headline
+
+        return headline(self.found, self.proofs)
+
+    @property
+    def figures(self) -> Mapping[str, Callable[[], Figure]]:
+        """``region``: what is feasible; ``pareto``: the choice; ``plan``: the rig from above."""
+        from rigsim.present.design import figures
+
+        pick = recommended(self.found, self.proofs)
+        return {
+            "region": lambda: figures.region_figure(self.found, pick),
+            "pareto": lambda: figures.pareto_figure(self.found, pick),
+            "plan": lambda: figures.plan_figure(self.found, pick, self.proofs),
+        }
+
+    def files(self) -> dict[str, bytes]:
+        """rig.toml, design.json and design.html."""
+        from rigsim.interop.documents.text import json_text
+        from rigsim.interop.formats.rig_toml import write_rig
+        from rigsim.present.design.page import design_html
+
+        document = self.document()
+        comment = f"rigsim design: {document['recommended']['reason']}"
+        page = design_html(self.found, self.proofs, self.tolerance, self.command)
+        return {
+            "rig.toml": write_rig(self.rig, comment, self.sensor).encode(),
+            "design.json": (json_text(document) + "\n").encode(),
+            "design.html": page.encode(),
+        }
+
+    def document(self, written: Written | None = None) -> Mapping[str, Any]:
+        """The whole answer; docs/design.md says what the keys mean."""
+        from rigsim.interop.documents.written.design import design_document
+
+        return design_document(self.found, self.proofs, self.tolerance)
+
+    def print(self, folder: Path | None = None) -> None:
+        """Print the rig to take, what binds it, and what became of the proof."""
+        from rigsim.present.design.console import print_design
+
+        print_design(self.found, self.proofs, self.tolerance, folder)
+
+
+@takes(DesignOptions)
+def design(options: DesignOptions) -> Designed:
+    """Find the rigs that meet requirements, recommend one, and prove it by simulation.
+
+    Args:
+        range_m: Working range, (near, far), m.
+        depth_error_mm: Depth errors allowed, mm, root mean square of one rig with its noise.
+        depth_error_pct: The same in percent of the distance, instead.
+        at_m: Their distances, m; the far end by default.
+        p95: Whether 95 of 100 errors are to stay under them instead.
+        errors: More of them, each a `DepthError`.
+        fov_deg: Horizontal field of view, at least, deg.
+        cover_mm: Width that both cameras see, at least, mm.
+        cover_at_m: Where, m; the far end by default.
+        max_baseline_mm: Longest baseline, mm.
+        max_disparity_px: Disparities that the matcher searches, px.
+        max_pixels: Most pixels of one image.
+        min_overlap: Shares of the left image that the right camera sees, at least, 0 to 1; by default 0.5 at
+            the near end.
+        min_overlap_at_m: Their distances, m; the near end by default.
+        nearest_focus_m: Nearest distance at which the lenses draw sharply, m.
+        noise_px: Standard deviation of the noise of one pixel coordinate, px; by default 0.25, or with
+            `sensors` what is measured in pictures taken with them.
+        build_share: Share of that error's variance that noise leaves for errors of mounting and calibration.
+        resolutions_px: Image sizes to try, (width, height), px.
+        sensors: Names of sensors to try, instead.
+        lenses_mm: Focal lengths to try, mm; they need `sensors`.
+        lenses_px: Focal lengths to try, px, instead.
+        lenses_deg: Horizontal fields of view to try, deg, instead.
+        prefer: smallest (baseline), cheapest (fewest pixels, then baseline) or most-accurate.
+        scene: Where the pick is proved: a bundled scene's name, or the path of an MJCF file.
+        proof: Whether anything is rendered and simulated; else it is formulas only.
+        measure: What is measured in the pictures: auto, corners, patches, dense or none.
+        blur_px: Standard deviation of the lens's point spread, px.
+        image_noise_grey: White noise of the pictures, grey levels of 255.
+        full_well_e: Electrons that make full scale.
+        read_noise_e: Read noise, electrons.
+        tolerance_class: Tolerances to rank: printed, machined or calibrated.
+        seed: Seed of every random number.
+        renderer: auto, egl, osmesa or rays.
+        command: What the page names as the command that made it.
+
+    Raises:
+        InvalidRange: A value is out of bounds, or two say the same thing.
+        InvalidRig: No rig meets the requirements; the message says which one to relax, and by how much.
+        InvalidScene: The scene cannot be used.
+        RenderUnavailable: The renderer asked for does not work here.
+
+    Example:
+        >>> import rigsim
+        >>> found = rigsim.design(
+        ...     range_m=(0.5, 3), depth_error_mm=10, at_m=3, resolutions_px=(1280, 960), proof=False
+        ... )
+        >>> found.verdict
+        'not tried'
+        >>> rig = found.rig
+        >>> error_m = 3**2 / (rig.left.fx * rig.baseline_m) * 2**0.5 * 0.25  # Z^2 / (f B) of disparity
+        >>> error_m < 0.010
+        True
+    """
+    specification = _specified(options)
+    cameras = CameraOptions(
+        options.resolutions_px,
+        tuple(str(name) for name in given.several(options.sensors)),
+        options.lenses_mm,
+        options.lenses_px,
+        options.lenses_deg,
+    ).all(options.fov_deg)
+    if options.tolerance_class not in CLASSES:
+        raise InvalidRange(f"class {options.tolerance_class!r}: choose one of {', '.join(CLASSES)}")
+    levels = given.reals(options.image_noise_grey, "image_noise_grey")
+    optics = SensorOptions(None, options.blur_px, levels, options.full_well_e, options.read_noise_e)
+    fits = fittings(sorted({camera.sensor for camera in cameras}), optics)
+    measures_noise = bool(
+        options.sensors and options.noise_px is None and options.proof and options.measure != "none"
+    )
+    proofs: tuple[Proof, ...] = ()
+    remarks: tuple[Remark, ...] = ()
+    if not measures_noise:  # what cannot be is said before anything is drawn
+        found = solve(specification, cameras, options.prefer)
+    if options.proof:
+        scene = str(given.path(options.scene, "scene"))
+        place = Place(scene, options.seed, options.renderer, options.measure)
+        found, proofs, remarks = try_out(specification, cameras, options.prefer, place, fits, measures_noise)
+    pick = recommended(found, proofs)
+    held = design_tolerance(
+        found.specification, pick, options.tolerance_class, options.seed, found.candidates
+    )
+    told = has_own_noise(pick.camera.sensor, optics) or options.blur_px is not None
+    sensor = fits[pick.camera.sensor].sensor if told else None
+    return Designed(found, proofs, held, sensor, options.command, remarks)
+
+
+def _specified(options: DesignOptions) -> Specification:
+    """What a rig has to do."""
+    ends = given.reals(options.range_m, "range_m")
+    if len(ends) != 2:
+        raise InvalidRange(f"range_m {given.shown(options.range_m)}: must be (near, far), m")
+    near_m, far_m = ends
+    noise_px = options.noise_px
+    specification = specify(
+        near_m,
+        far_m,
+        [*_errors(options, far_m), *_others(options, near_m, far_m), *_overlaps(options, near_m)],
+        noise_px=PRIOR_NOISE_PX if noise_px is None else given.real(noise_px, "noise_px"),
+        nearest_focus_m=given.real(options.nearest_focus_m, "nearest_focus_m"),
+        build_share=given.real(options.build_share, "build_share"),
+    )
+    if noise_px is not None:
+        return specification
+    return replace(specification, noise_source="assumed", noise_says="assumed, as none was given")
+
+
+def _errors(options: DesignOptions, far_m: float) -> Iterator[Requirement]:
+    asked = depth_errors(
+        options.depth_error_mm, options.depth_error_pct, options.at_m, options.p95, options.errors
+    )
+    if not asked:
+        raise InvalidRange("no depth error is asked for: give depth_error_mm or depth_error_pct")
+    for error in asked:
+        at_m = far_m if error.at_m is None else error.at_m
+        if error.pct is not None and error.pct > 100:
+            raise InvalidRange(f"depth error {error.pct:g}%: must be <= 100 % of the distance")
+        per_std = P95_OVER_STD if error.p95 else 1.0
+        yield Requirement("depth_error", error.error_m(at_m), at_m, per_std)
+
+
+def _others(options: DesignOptions, near_m: float, far_m: float) -> Iterator[Requirement]:
+    if options.fov_deg is not None:
+        yield Requirement("fov", math.radians(options.fov_deg))
+    if options.cover_mm is not None:
+        at_m = far_m if options.cover_at_m is None else options.cover_at_m
+        yield Requirement("cover", options.cover_mm / 1e3, at_m)
+    if options.max_baseline_mm is not None:
+        yield Requirement("max_baseline", options.max_baseline_mm / 1e3)
+    if options.max_disparity_px is not None:
+        yield Requirement("max_disparity", options.max_disparity_px, near_m)
+    if options.max_pixels is not None:
+        yield Requirement("pixels", options.max_pixels)
+
+
+def _overlaps(options: DesignOptions, near_m: float) -> Iterator[Requirement]:
+    shares = given.reals(options.min_overlap, "min_overlap")
+    at_m = options.min_overlap_at_m
+    distances = (near_m,) * len(shares) if at_m is None else given.reals(at_m, "min_overlap_at_m")
+    if len(distances) != len(shares):
+        raise InvalidRange(f"min_overlap_at_m: {len(distances)} distances for {len(shares)} shares")
+    for share, distance in zip(shares, distances, strict=True):
+        yield Requirement("overlap", share, distance)

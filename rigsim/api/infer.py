@@ -1,0 +1,199 @@
+"""`rigsim.infer`: from depth errors at known distances to the disparity noise behind them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rigsim.api.asked import DepthError, depth_errors
+from rigsim.api.plain import takes
+from rigsim.api.result import Result
+from rigsim.api.rigs import RigLike, Several, read_rig
+from rigsim.errors import InvalidRange
+from rigsim.rig import given
+from rigsim.rig.remark import Remark
+from rigsim.rig.stereo import StereoRig
+from rigsim.study.infer.run import (
+    P95,
+    DepthErrors,
+    Inference,
+    Transfer,
+    depth_gain,
+    disparity_of_bounds,
+    infer_disparity_noise,
+    transfer,
+)
+
+if TYPE_CHECKING:
+    from rigsim.interop.documents.base import Written
+    from rigsim.present.kit.types import Figure, Table
+
+
+@dataclass(frozen=True, slots=True)
+class InferOptions:
+    """The arguments of `infer`, which says what they mean."""
+
+    rig: RigLike
+    _: KW_ONLY
+    depth_error_mm: Several | None = None
+    depth_error_pct: Several | None = None
+    at_m: Several | None = None
+    p95: bool = False
+    errors: Sequence[DepthError] = ()
+    data: str | os.PathLike[str] | None = None
+    to: RigLike | None = None
+    to_at_m: Several | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Inferred(Result):
+    """The disparity noise behind depth errors, and what it does to another rig."""
+
+    inference: Inference
+    """What follows from the errors."""
+    carried: Transfer | None
+    """The same noise on another rig; None where none was named."""
+    remarks: tuple[Remark, ...] = ()
+    """What is odd about the errors."""
+
+    @property
+    def table(self) -> Table:
+        """One row a distance: ``distance_mm``, ``depth_std_mm`` and what explains it."""
+        from rigsim.present.kit.types import table
+
+        rows: Any = self.document()["rows"]
+        return table(rows)
+
+    @property
+    def verdict(self) -> str:
+        """Whether stereo noise can be behind it."""
+        return self.inference.verdict
+
+    @property
+    def headline(self) -> str:
+        """The answer in one sentence."""
+        return str(self.document()["says"])
+
+    @property
+    def figures(self) -> Mapping[str, Callable[[], Figure]]:
+        """``infer``: the errors, and the law that explains them."""
+        from rigsim.present.infer.figure import inference_figure
+
+        return {"infer": lambda: inference_figure(self.inference, self.carried)}
+
+    def files(self) -> dict[str, bytes]:
+        """infer.json and infer.png."""
+        from rigsim.interop.files.tables import json_bytes
+        from rigsim.present.infer.figure import inference_png
+
+        picture = inference_png(self.inference, self.carried)
+        return {"infer.json": json_bytes(self.document()), "infer.png": picture}
+
+    def document(self, written: Written | None = None) -> Mapping[str, Any]:
+        """The inference; docs/infer.md says what the keys mean."""
+        from rigsim.interop.documents.written.infer import inference_document
+
+        return inference_document(self.inference, self.carried, self.remarks)
+
+    def print(self, folder: Path | None = None) -> None:
+        """Print the noise, the law and every distance."""
+        from rigsim.present.infer.console import print_inference
+
+        print_inference(self.inference, self.carried, folder)
+
+
+@takes(InferOptions)
+def infer(options: InferOptions) -> Inferred:
+    """Infer the disparity noise that explains depth errors at known distances.
+
+    Args:
+        rig: The rig that they are of: a preset's name, a calibration's path or text, or a rig.
+        depth_error_mm: Standard deviations of depth, mm, each at its own distance.
+        depth_error_pct: The same in percent of the distance, instead.
+        at_m: Their distances, m.
+        p95: Whether they are 95th percentiles.
+        errors: More of them, each a `DepthError`, which may be two bounds as well.
+        data: A wall test's CSV, instead: distance_mm, depth_std_mm and optionally depth_bias_mm, n.
+        to: A rig that the noise is carried over to.
+        to_at_m: Distances for it, m; by default those given.
+
+    Raises:
+        InvalidRange: A value is out of bounds, missing or given twice.
+        InvalidRig, OutputError: As `read_rig`; or the CSV cannot be read.
+
+    Example:
+        >>> import rigsim
+        >>> found = rigsim.infer("oak-d", depth_error_pct=[1, 2], at_m=[4, 7])
+        >>> len(found.table), found.verdict
+        (2, 'untested')
+        >>> found.inference.disparity_std_px < 0.3
+        True
+    """
+    from rigsim.study.infer.remarks import remarks
+
+    claims = depth_errors(
+        options.depth_error_mm, options.depth_error_pct, options.at_m, options.p95, options.errors
+    )
+    if bool(claims) == (options.data is not None):
+        raise InvalidRange("give either depth errors or data: what they are")
+    if options.to_at_m is not None and options.to is None:
+        raise InvalidRange("to_at_m is about another rig: name it by `to`")
+    rig = read_rig(options.rig)
+    said: tuple[Remark, ...] = ()
+    if options.data is None:
+        errors, said = _claimed(claims, rig)
+    else:
+        from rigsim.interop.files.depth_errors import read_depth_errors
+
+        errors = read_depth_errors(given.path(options.data, "data"))
+    other = None if options.to is None else read_rig(options.to)
+    inference = infer_disparity_noise(rig, errors)
+    carried = None
+    if other is not None:
+        at_m = options.to_at_m
+        depths_m = errors.depths_m if at_m is None else np.array(given.reals(at_m, "to_at_m"))
+        carried = transfer(inference, other, depths_m)
+    return Inferred(inference, carried, (*said, *remarks(inference, units_written=options.data is None)))
+
+
+def _claimed(claims: Sequence[DepthError], rig: StereoRig) -> tuple[DepthErrors, tuple[Remark, ...]]:
+    """The depth errors of what is claimed, and what is odd about them."""
+    depths_m: list[float] = []
+    stds_m: list[float] = []
+    said: list[Remark] = []
+    for claim in claims:
+        name = f"claim {claim.said}"
+        if claim.at_m is None:
+            raise InvalidRange(f"{name}: at which distance? give at_m as well")
+        at_m = given.real(claim.at_m, f"{name}, distance")
+        if at_m in depths_m:
+            where = claim.words.rpartition("@")[2].strip() or f"{at_m:g} m"
+            raise InvalidRange(f"{name}: {where} stands there twice; remove one")
+        if claim.pct is not None and not 0 < claim.pct <= 100:
+            raise InvalidRange(f"{name}: percent of the distance must be > 0 and <= 100")
+        std_m = claim.error_m(at_m)
+        if claim.bounds_mm is not None:
+            std_m, odd = _between(claim, name, at_m, rig)
+            said += odd
+        depths_m.append(at_m)
+        stds_m.append(std_m / P95 if claim.p95 else std_m)
+    return DepthErrors(np.array(depths_m), np.array(stds_m)), tuple(said)
+
+
+def _between(claim: DepthError, name: str, at_m: float, rig: StereoRig) -> tuple[float, list[Remark]]:
+    """The standard deviation, m, that two bounds say, and what is odd about them."""
+    from rigsim.study.infer.remarks import bounds_remark
+
+    near_mm, far_mm = given.reals(claim.bounds_mm, f"{name}, bounds_mm")
+    if not near_mm / 1e3 < at_m < far_mm / 1e3:
+        where = claim.words.rpartition("@")[2].strip() or f"{at_m:g} m"
+        raise InvalidRange(f"{name}: {where} must lie between the two bounds")
+    gain = float(depth_gain(rig, np.array([at_m]))[0])
+    odd = bounds_remark(rig, claim.said, near_mm / 1e3, at_m, far_mm / 1e3)
+    std_m = gain * disparity_of_bounds(rig, near_mm / 1e3, far_mm / 1e3)
+    return std_m, [] if odd is None else [odd]

@@ -1,0 +1,244 @@
+"""`rigsim.tolerance`: what must be held how tightly, and how many built rigs are good."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import KW_ONLY, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rigsim.api.asked import depth_errors
+from rigsim.api.plain import takes
+from rigsim.api.result import Result
+from rigsim.api.rigs import RigLike, read_rig
+from rigsim.errors import InvalidRange
+from rigsim.rig import given
+from rigsim.rig.remark import Remark
+from rigsim.rig.stereo import StereoRig
+
+if TYPE_CHECKING:
+    from rigsim.interop.documents.base import Written
+    from rigsim.present.kit.types import Figure, Table
+    from rigsim.study.tolerance.run import ToleranceResult
+    from rigsim.study.tolerance.sensitivities import Requirement, Tolerances
+
+NO_CLASS = "none"
+"""In place of a class: nothing is off but what is said."""
+
+
+@dataclass(frozen=True, slots=True)
+class ToleranceOptions:
+    """The arguments of `tolerance`, which says what they mean."""
+
+    rig: RigLike
+    _: KW_ONLY
+    depth_error_mm: float | None = None
+    depth_error_pct: float | None = None
+    at_m: float | None = None
+    range_m: tuple[float, float] = (1.0, 5.0)
+    tolerance_class: str = "machined"
+    tolerances: Mapping[str, float] | None = None
+    bounds: Collection[str] = ()
+    distribution: str = "normal"
+    speed_m_s: float = 1.0
+    expansion_ppm: float = 23.0
+    recalibrate: bool = True
+    recalibration_features: int = 60
+    recalibration_pictures: int = 10
+    noise_px: float = 0.25
+    length_std_mm: float = 0.5
+    rigs: int = 10_000
+    points: int = 500
+    seed: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Yields:
+    """Shares of the built rigs that are good, 0 to 1."""
+
+    as_built: float
+    """As built, with pixel noise."""
+    recalibrated: float | None
+    """After a recalibration that knows nothing beforehand; None without one."""
+    informed: float | None
+    """After one that knows the tolerances beforehand; None without one."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Toleranced(Result):
+    """What each tolerance does to the depth, and how many built rigs are good."""
+
+    result: ToleranceResult
+    """The study."""
+    remarks: tuple[Remark, ...] = ()
+    """Nothing is odd about a tolerance study so far."""
+
+    @property
+    def table(self) -> Table:
+        """One row a quantity, the worst first; the columns of tolerance.csv."""
+        from rigsim.study.tolerance.table import tolerance_table
+
+        return tolerance_table(self.result)
+
+    @property
+    def verdict(self) -> Yields:
+        """How many of the built rigs are good."""
+        result = self.result
+        return Yields(result.yield_before, result.yield_after, result.yield_informed)
+
+    @property
+    def headline(self) -> str:
+        """The answer in one sentence."""
+        from rigsim.present.tolerance.console import headline
+
+        return headline(self.result)
+
+    @property
+    def figures(self) -> Mapping[str, Callable[[], Figure]]:
+        """``tolerance``: depth error against distance; ``places``: where in the image."""
+        from rigsim.present.tolerance.console import tolerance_figure
+        from rigsim.present.tolerance.places_figure import places_figure
+
+        return {
+            "tolerance": lambda: tolerance_figure(self.result),
+            "places": lambda: places_figure(self.result),
+        }
+
+    def files(self) -> dict[str, bytes]:
+        """tolerance.csv, tolerance.json, tolerance.png and places.png."""
+        from rigsim.interop.files.tables import csv_bytes, json_bytes
+        from rigsim.present.tolerance.console import tolerance_png
+        from rigsim.present.tolerance.places_figure import places_png
+
+        return {
+            "tolerance.csv": csv_bytes(self.table),
+            "tolerance.json": json_bytes(self.document()),
+            "tolerance.png": tolerance_png(self.result),
+            "places.png": places_png(self.result),
+        }
+
+    def document(self, written: Written | None = None) -> Mapping[str, Any]:
+        """The study; docs/tolerance.md says what the keys mean."""
+        from rigsim.interop.documents.written.tolerance import tolerance_document
+
+        return tolerance_document(self.result)
+
+    def print(self, folder: Path | None = None) -> None:
+        """Print the ranked tables, the built rigs at each depth, and how many are good."""
+        from rigsim.present.tolerance.console import print_tolerance
+
+        print_tolerance(self.result, folder)
+
+
+@takes(ToleranceOptions)
+def tolerance(options: ToleranceOptions) -> Toleranced:
+    """Rank a rig's tolerances by what they do to the depth, and count the built rigs that are good.
+
+    A rig is good when its own depth error, of its build and its pixel noise, meets the requirement.
+
+    Args:
+        rig: The rig as drawn: a preset's name, a calibration's path or text, or a rig.
+        depth_error_mm: Largest root mean square depth error of one rig over the image and its noise, mm.
+        depth_error_pct: The same in percent of the distance, instead; 1 where neither is given.
+        at_m: Its distance, m; the far end by default.
+        range_m: Working range, (near, far), m.
+        tolerance_class: printed, machined, calibrated, or none.
+        tolerances: Single tolerances in place of the class's, by name with unit, as ``{"yaw_deg": 0.05}``:
+            one standard deviation each, in the unit that the name ends with.
+        bounds: Names of those that are a bound, +-, instead.
+        distribution: normal; or uniform, which makes a bound of every tolerance, evenly filled.
+        speed_m_s: The object's speed, m/s, for ``time_offset_ms``.
+        expansion_ppm: Expansion of the bar, ppm/K, for ``temperature_k``.
+        recalibrate: Whether each rig is recalibrated on epipolar errors and one known length as well.
+        recalibration_features: Features that a recalibration sees in a picture.
+        recalibration_pictures: Pictures it averages each of them over.
+        noise_px: Standard deviation of the noise of one pixel coordinate, px.
+        length_std_mm: Standard deviation of the known length, mm.
+        rigs: How many are built.
+        points: Points that each is judged by.
+        seed: Seed of every random number.
+
+    Raises:
+        InvalidRange: A value is out of bounds, or a name is none.
+        InvalidRig, OutputError: As `read_rig`.
+
+    Example:
+        >>> import rigsim
+        >>> found = rigsim.tolerance(
+        ...     "oak-d", tolerance_class="none", tolerances={"baseline_mm": 0.75}, range_m=(1, 3),
+        ...     rigs=200, points=60,
+        ... )
+        >>> round(float(found.table["depth_error_at_3000_mm"].iloc[0]), 6)  # 1 % of 75 mm is 1 % of 3 m
+        30.0
+    """
+    from rigsim.study.tolerance.run import Recalibration, run_tolerance
+
+    near_m, far_m = _range(options.range_m)
+    required = _required(options, far_m)
+    rig = read_rig(options.rig)
+    held = _held(options, rig)
+    session = Recalibration(
+        options.recalibration_features,
+        options.recalibration_pictures,
+        given.real(options.noise_px, "noise_px"),
+        given.real(options.length_std_mm, "length_std_mm"),
+    )
+    result = run_tolerance(
+        rig,
+        held,
+        required,
+        (near_m, far_m),
+        noise_px=session.noise_px,
+        recalibration=session if options.recalibrate else None,
+        n_rigs=options.rigs,
+        n_points=options.points,
+        seed=options.seed,
+    )
+    return Toleranced(result)
+
+
+def _range(range_m: object) -> tuple[float, float]:
+    ends = given.reals(range_m, "range_m")
+    if len(ends) != 2:
+        raise InvalidRange(f"range_m {given.shown(range_m)}: must be (near, far), m")
+    return ends[0], ends[1]
+
+
+def _required(options: ToleranceOptions, far_m: float) -> Requirement:
+    """What a rig is judged by."""
+    from rigsim.study.tolerance.sensitivities import Requirement
+
+    pct = options.depth_error_pct
+    if pct is None and options.depth_error_mm is None:
+        pct = 1.0
+    (asked,) = depth_errors(options.depth_error_mm, pct, options.at_m)
+    if asked.pct is not None and not asked.pct < 100:
+        raise InvalidRange(f"depth error {asked.pct:g} %: must be < 100 %")
+    at_m = far_m if asked.at_m is None else asked.at_m
+    return Requirement(asked.error_m(at_m), at_m)
+
+
+def _held(options: ToleranceOptions, rig: StereoRig) -> Tolerances:
+    """The class's tolerances, and those given in their place."""
+    from rigsim.study.tolerance.sensitivities import CLASSES, QUANTITIES, Tolerances, with_values
+
+    name = options.tolerance_class
+    if name not in (*CLASSES, NO_CLASS):
+        raise InvalidRange(f"class {name!r}: choose one of {', '.join(CLASSES)}, {NO_CLASS}")
+    base = Tolerances() if name == NO_CLASS else CLASSES[name].tolerances(rig)
+    found = {key: given.real(value, key) for key, value in dict(options.tolerances or {}).items()}
+    bounds = {str(key) for key in given.several(options.bounds)}
+    for key in (*found, *bounds):
+        if key not in QUANTITIES:
+            raise InvalidRange(f"tolerance {key!r}: choose one of {', '.join(QUANTITIES)}")
+    # a bound of the class's stays one unless its value is replaced
+    return with_values(
+        base,
+        {
+            **found,
+            "bounds": (base.bounds - set(found)) | bounds,
+            "distribution": options.distribution,
+            "speed_m_s": given.real(options.speed_m_s, "speed_m_s"),
+            "expansion_per_k": given.real(options.expansion_ppm, "expansion_ppm") * 1e-6,
+        },
+    )

@@ -1,0 +1,100 @@
+"""What a design's pictures are taken with, and the room they are taken in."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from rigsim.api.rendering import NO_OPENCV
+from rigsim.api.sensors import TYPICAL_NOISE_GREY, SensorOptions, sensor_labels
+from rigsim.rig.noise import PixelNoise
+from rigsim.rig.remark import Remark
+from rigsim.rig.sensors import sensor_preset
+from rigsim.study.design.proof import Proof, prove, settle_and_prove
+from rigsim.study.design.room import Fitting, Room
+from rigsim.study.design.solve import Design, Specification, solve
+from rigsim.study.scene.plan import Plan
+from rigsim.theory.inverse import Camera
+
+Fittings = Mapping[str, Fitting]
+"""What pictures are taken with, by the sensor's name; the empty name is a camera without one."""
+
+
+def fittings(names: Sequence[str], optics: SensorOptions) -> Fittings:
+    """Label and sensor for each sensor's name.
+
+    A sensor whose noise nobody published, and for which none is given, gets an ordinary camera's.
+    """
+    return {name: _fitting(name, optics) for name in names}
+
+
+def has_own_noise(name: str, optics: SensorOptions) -> bool:
+    """Whether the noise of the sensor's pictures is published or given."""
+    if not name:
+        return bool(optics.image_noises_grey) or optics.full_well_e is not None
+    preset = sensor_preset(name)
+    return not (
+        (preset.full_well_e is None and optics.full_well_e is None)
+        or (preset.read_noise_e is None and optics.read_noise_e is None)
+    )
+
+
+def _fitting(name: str, optics: SensorOptions) -> Fitting:
+    own = has_own_noise(name, optics)
+    levels = optics.image_noises_grey or (() if own else (TYPICAL_NOISE_GREY,))
+    chosen = name if name and own else None
+    sensor = replace(optics, sensor=chosen, image_noises_grey=levels).one()
+    label = sensor_labels((sensor,), chosen)[0]
+    if name and not own:
+        label = f"{name.upper()} ({label}: its own noise is not published)"
+    return Fitting(label, sensor)
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where and how candidates are tried."""
+
+    scene: str
+    """A bundled scene's name, or the path of an MJCF file."""
+    seed: int
+    """Seed of every random number."""
+    renderer: str
+    """auto, egl, osmesa or rays."""
+    measure: str
+    """What is measured in the pictures."""
+
+
+def try_out(
+    specification: Specification,
+    cameras: Sequence[Camera],
+    preference: str,
+    place: Place,
+    fits: Fittings,
+    measures_noise: bool,
+) -> tuple[Design, tuple[Proof, ...], tuple[Remark, ...]]:
+    """The design, with its sensor's noise measured where that is asked for, its proofs, and remarks."""
+    remarks: tuple[Remark, ...] = ()
+    measure = place.measure
+    if importlib.util.find_spec("cv2") is None:
+        measure, remarks = "none", (NO_OPENCV,)
+    plan = Plan(
+        scene=place.scene,
+        noises=(PixelNoise(specification.noise_px),),
+        range_m=(specification.near_m, specification.far_m),
+        seed=place.seed,
+        renderer=place.renderer,
+        measure=measure,
+        sensors={fit.label: fit.sensor for fit in fits.values()},
+    )
+
+    def fit(camera: Camera) -> Fitting:
+        return fits[camera.sensor]
+
+    with Room(plan, fit, surfaces=measures_noise and measure == "auto") as room:
+        if measures_noise:
+            found, proofs = settle_and_prove(specification, cameras, preference, room)
+        else:
+            found = solve(specification, cameras, preference)
+            proofs = prove(found, room)
+        return found, proofs, (*remarks, *room.remarks)
