@@ -36,6 +36,7 @@ myst_heading_anchors = 4
 # in pages for GitHub as well as for the site: text blocks hold terminal output
 highlight_language = "none"
 pygments_style = "friendly"
+smartquotes = False
 copybutton_prompt_text = r"\$ "
 copybutton_prompt_is_regexp = True
 
@@ -50,6 +51,7 @@ sphinx_gallery_conf = {
     "gallery_dirs": ["auto_gallery"],
     "filename_pattern": r"\.py$",
     "within_subsection_order": "FileNameSortKey",
+    "write_computation_times": False,
     "download_all_examples": False,
     "remove_config_comments": True,
     "show_signature": False,
