@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from rigsim.api.rigs import Several, Sizes
 from rigsim.errors import InvalidRange
 from rigsim.rig import extent, given
-from rigsim.rig.sensors import SensorPreset, sensor_preset
+from rigsim.rig.catalogue.sensors import SensorPreset, sensor_preset
 from rigsim.study.design.solve import HFOVS_DEG, LENSES_MM, RESOLUTIONS
 from rigsim.study.scene.plan import sizes
 from rigsim.theory.inverse import Camera

@@ -262,7 +262,7 @@ def export_dataset(options: DatasetOptions) -> ExportedDataset:
     from rigsim.interop.files.dataset import check_format, nearest_m, write_dataset
     from rigsim.interop.files.folder import check_output
     from rigsim.sim.simulator import Simulator
-    from rigsim.study.scene.frames import render_frames
+    from rigsim.study.scene.frames import Views, render_frames
     from rigsim.study.scene.provenance import simulator_provenance
 
     scene, folder = str(given.path(options.scene, "scene")), given.path(options.folder, "output folder")
@@ -274,16 +274,14 @@ def export_dataset(options: DatasetOptions) -> ExportedDataset:
     check_output(folder, options.force)
     with Simulator(scene, options.mount, options.renderer) as simulator:
         simulator.place(rig)
-        made = render_frames(
-            simulator,
-            rig,
-            options.frames,
-            sensor=sensor,
+        wanted = Views(
+            count=options.frames,
             seed=options.seed,
             move_m=None if move_mm is None else move_mm / 1e3,
             turn_deg=options.turn_deg,
             nearest_m=nearest_m(format, rig),
         )
+        made = render_frames(simulator, rig, wanted, sensor)
         views = {"seed": options.seed, "move_mm": move_mm, "turn_deg": options.turn_deg}
         provenance = simulator_provenance(simulator)
         manifest = {**views, "sensor": asdict(sensor), **provenance, "command": options.command}

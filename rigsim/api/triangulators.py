@@ -40,14 +40,14 @@ def opened(
     methods: Sequence[Method], programs: Sequence[str], timeout_s: float
 ) -> Iterator[dict[str, Triangulator]]:
     """By the name they have in tables; somebody else's given by name run outside this process."""
-    from rigsim.study.scene.plan import triangulator_label
     from rigsim.study.triangulators.isolated import IsolatedTriangulator
+    from rigsim.study.triangulators.registry import label as label_of
     from rigsim.study.triangulators.registry import named
 
     found: dict[str, Triangulator] = {}
     with ExitStack() as stack:
         for method in methods:
-            label = triangulator_label(method)
+            label = label_of(method)
             if label in found:
                 raise InvalidRange(f"triangulator {label!r}: two functions of this name; name one otherwise")
             if isinstance(method, str) and ":" in method:
