@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from rigsim.api.plain import takes
+from rigsim.api.kit.plain import takes
 from rigsim.api.result import Result
 from rigsim.api.rigs import RigLike, read_rig, told_of
 from rigsim.errors import InvalidRange
@@ -107,7 +107,7 @@ class Measured(Result):
         return written
 
     def document(self, written: Written | None = None) -> Mapping[str, Any]:
-        """All that was measured; docs/measure.md says what the keys mean."""
+        """All that was measured; docs/reference/measure.md says what the keys mean."""
         from rigsim.interop.files.measure import document
 
         return document(self.result, written)
@@ -156,7 +156,7 @@ def measure(options: MeasureOptions) -> Measured:
         (True, 'untold')
     """
     from rigsim.interop.files.measure import read_truth, sources
-    from rigsim.study.measure.run import measure_pair, versions
+    from rigsim.study.measure.run import Wanted, measure_pair, versions
 
     if options.square_mm is not None and options.board is None:
         raise InvalidRange(
@@ -179,13 +179,15 @@ def measure(options: MeasureOptions) -> Measured:
         left,
         right,
         rig,
-        matcher=options.matcher,
-        board=options.board,
-        square_m=None if options.square_mm is None else options.square_mm / 1e3,
+        Wanted(
+            matcher=options.matcher,
+            board=options.board,
+            square_m=None if options.square_mm is None else options.square_mm / 1e3,
+            target=options.target,
+            disparity_range=options.disparities_px or searched,
+            timeout_s=options.timeout_s,
+        ),
         truth=true,
-        target=options.target,
-        disparity_range=options.disparities_px or searched,
-        timeout_s=options.timeout_s,
         provenance={"command": options.command, **sources(paths), **versions()},
     )
     return Measured(result)

@@ -7,8 +7,8 @@ from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rigsim.api.asked import depth_errors
-from rigsim.api.plain import takes
+from rigsim.api.kit.asked import depth_errors
+from rigsim.api.kit.plain import takes
 from rigsim.api.result import Result
 from rigsim.api.rigs import RigLike, read_rig
 from rigsim.errors import InvalidRange
@@ -118,7 +118,7 @@ class Toleranced(Result):
         }
 
     def document(self, written: Written | None = None) -> Mapping[str, Any]:
-        """The study; docs/tolerance.md says what the keys mean."""
+        """The study; docs/reference/tolerance.md says what the keys mean."""
         from rigsim.interop.documents.written.tolerance import tolerance_document
 
         return tolerance_document(self.result)
@@ -171,7 +171,7 @@ def tolerance(options: ToleranceOptions) -> Toleranced:
         >>> round(float(found.table["depth_error_at_3000_mm"].iloc[0]), 6)  # 1 % of 75 mm is 1 % of 3 m
         30.0
     """
-    from rigsim.study.tolerance.run import Recalibration, run_tolerance
+    from rigsim.study.tolerance.run import Build, Recalibration, run_tolerance
 
     near_m, far_m = _range(options.range_m)
     required = _required(options, far_m)
@@ -184,12 +184,9 @@ def tolerance(options: ToleranceOptions) -> Toleranced:
         given.real(options.length_std_mm, "length_std_mm"),
     )
     result = run_tolerance(
-        rig,
-        held,
+        Build(rig, held, session.noise_px, session if options.recalibrate else None),
         required,
         (near_m, far_m),
-        noise_px=session.noise_px,
-        recalibration=session if options.recalibrate else None,
         n_rigs=options.rigs,
         n_points=options.points,
         seed=options.seed,

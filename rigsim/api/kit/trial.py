@@ -6,8 +6,8 @@ import importlib.util
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from rigsim.api.rendering import NO_OPENCV
-from rigsim.api.sensors import TYPICAL_NOISE_GREY, SensorOptions, sensor_labels
+from rigsim.api.kit.rendering import NO_OPENCV
+from rigsim.api.kit.sensors import TYPICAL_NOISE_GREY, SensorOptions, sensor_labels
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.remark import Remark
 from rigsim.rig.sensors import sensor_preset
