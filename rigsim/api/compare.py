@@ -7,10 +7,10 @@ from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rigsim.api.plain import takes
+from rigsim.api.kit.plain import takes
+from rigsim.api.kit.triangulators import TIMEOUT_S, Method, named, opened
 from rigsim.api.result import Result
 from rigsim.api.rigs import RigLike, Several, read_rig
-from rigsim.api.triangulators import TIMEOUT_S, Method, named, opened
 from rigsim.errors import InvalidRange, MeasurementFailed
 from rigsim.rig import given
 from rigsim.rig.remark import Remark
@@ -34,6 +34,7 @@ class CompareOptions:
     points: int = 20_000
     seed: int = 0
     timeout_s: float = TIMEOUT_S
+    in_process: bool = False
     progress: Callable[[int, int], None] | None = None
     command: str = ""
 
@@ -85,7 +86,7 @@ class Compared(Result):
         }
 
     def document(self, written: Written | None = None) -> Mapping[str, Any]:
-        """The comparison; docs/compare.md says what the keys mean."""
+        """The comparison; docs/reference/compare.md says what the keys mean."""
         from rigsim.interop.documents.compare import compare_document
 
         return compare_document(self.result).model_dump()
@@ -106,13 +107,15 @@ def compare(options: CompareOptions) -> Compared:
     Args:
         methods: optimal, dlt, midpoint, cv2 (these unless said), rectified, ``package.module:function``,
             which runs in a process of its own, or functions, which run in this one.
-        programs: Programs in any language, after the methods; see docs/exec.md.
+        programs: Programs in any language, after the methods; see docs/reference/exec.md.
         rig: A rig beside the geometries: a preset's name, a calibration's path or text, or a rig.
         geometries: Their names; six of them unless said, and none for an empty list.
         noises_px: Standard deviations of the noise of one pixel coordinate, px.
         points: Points for each geometry and noise level.
         seed: Seed of points and noise.
         timeout_s: For one call of a function or program of somebody else's, s.
+        in_process: Whether a ``package.module:function`` is called in this process as well: faster, but if
+            it crashes or hangs, so does this.
         progress: Is called with how many geometries and noise levels are done, and of how many.
         command: What the files and the document name as the command that made them.
 
@@ -148,7 +151,7 @@ def compare(options: CompareOptions) -> Compared:
             options.progress(done, total)
 
     programs = tuple(str(program) for program in given.several(options.programs))
-    with opened(methods, programs, options.timeout_s) as known:
+    with opened(methods, programs, options.timeout_s, options.in_process) as known:
         return Compared(run(plan, known, one_more, missing, comparison_provenance(options.command)))
 
 

@@ -2,76 +2,30 @@
 
 from __future__ import annotations
 
-import math
-import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from rigsim.api.asked import DepthError, depth_errors
-from rigsim.api.cameras import CameraOptions
-from rigsim.api.plain import takes
+from rigsim.api.kit.cameras import CameraOptions
+from rigsim.api.kit.plain import takes
+from rigsim.api.kit.requirements import DesignOptions, specified
+from rigsim.api.kit.sensors import SensorOptions
+from rigsim.api.kit.trial import Place, fittings, has_own_noise, try_out
 from rigsim.api.result import Result
-from rigsim.api.rigs import Several, Sizes
-from rigsim.api.sensors import SensorOptions
-from rigsim.api.trial import Place, fittings, has_own_noise, try_out
 from rigsim.errors import InvalidRange
 from rigsim.rig import given
 from rigsim.rig.remark import Remark
 from rigsim.rig.sensor import Sensor
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.design.proof import Proof, recommended
-from rigsim.study.design.solve import PRIOR_NOISE_PX, Design, Specification, solve, specify
+from rigsim.study.design.solve import Design, solve
 from rigsim.study.design.tolerance import DesignTolerance, design_tolerance
 from rigsim.study.tolerance.sensitivities import CLASSES
-from rigsim.theory.inverse import Requirement
-from rigsim.theory.inverse_error import P95_OVER_STD
 
 if TYPE_CHECKING:
     from rigsim.interop.documents.base import Written
     from rigsim.present.kit.types import Figure, Table
-
-
-@dataclass(frozen=True, slots=True)
-class DesignOptions:
-    """The arguments of `design`, which says what they mean."""
-
-    range_m: tuple[float, float]
-    _: KW_ONLY
-    depth_error_mm: Several | None = None
-    depth_error_pct: Several | None = None
-    at_m: Several | None = None
-    p95: bool = False
-    errors: Sequence[DepthError] = ()
-    fov_deg: float | None = None
-    cover_mm: float | None = None
-    cover_at_m: float | None = None
-    max_baseline_mm: float | None = None
-    max_disparity_px: float | None = None
-    max_pixels: float | None = None
-    min_overlap: Several = ()
-    min_overlap_at_m: Several | None = None
-    nearest_focus_m: float = 0.0
-    noise_px: float | None = None
-    build_share: float = 0.5
-    resolutions_px: Sizes = ()
-    sensors: str | Sequence[str] = ()
-    lenses_mm: Several = ()
-    lenses_px: Several = ()
-    lenses_deg: Several = ()
-    prefer: str = "cheapest"
-    scene: str | os.PathLike[str] = "boards"
-    proof: bool = True
-    measure: str = "auto"
-    blur_px: float | None = None
-    image_noise_grey: Several = ()
-    full_well_e: float | None = None
-    read_noise_e: float | None = None
-    tolerance_class: str = "machined"
-    seed: int = 0
-    renderer: str = "auto"
-    command: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -145,7 +99,7 @@ class Designed(Result):
         }
 
     def document(self, written: Written | None = None) -> Mapping[str, Any]:
-        """The whole answer; docs/design.md says what the keys mean."""
+        """The whole answer; docs/reference/design.md says what the keys mean."""
         from rigsim.interop.documents.written.design import design_document
 
         return design_document(self.found, self.proofs, self.tolerance)
@@ -217,7 +171,7 @@ def design(options: DesignOptions) -> Designed:
         >>> error_m < 0.010
         True
     """
-    specification = _specified(options)
+    specification = specified(options)
     cameras = CameraOptions(
         options.resolutions_px,
         tuple(str(name) for name in given.several(options.sensors)),
@@ -248,61 +202,3 @@ def design(options: DesignOptions) -> Designed:
     told = has_own_noise(pick.camera.sensor, optics) or options.blur_px is not None
     sensor = fits[pick.camera.sensor].sensor if told else None
     return Designed(found, proofs, held, sensor, options.command, remarks)
-
-
-def _specified(options: DesignOptions) -> Specification:
-    """What a rig has to do."""
-    ends = given.reals(options.range_m, "range_m")
-    if len(ends) != 2:
-        raise InvalidRange(f"range_m {given.shown(options.range_m)}: must be (near, far), m")
-    near_m, far_m = ends
-    noise_px = options.noise_px
-    specification = specify(
-        near_m,
-        far_m,
-        [*_errors(options, far_m), *_others(options, near_m, far_m), *_overlaps(options, near_m)],
-        noise_px=PRIOR_NOISE_PX if noise_px is None else given.real(noise_px, "noise_px"),
-        nearest_focus_m=given.real(options.nearest_focus_m, "nearest_focus_m"),
-        build_share=given.real(options.build_share, "build_share"),
-    )
-    if noise_px is not None:
-        return specification
-    return replace(specification, noise_source="assumed", noise_says="assumed, as none was given")
-
-
-def _errors(options: DesignOptions, far_m: float) -> Iterator[Requirement]:
-    asked = depth_errors(
-        options.depth_error_mm, options.depth_error_pct, options.at_m, options.p95, options.errors
-    )
-    if not asked:
-        raise InvalidRange("no depth error is asked for: give depth_error_mm or depth_error_pct")
-    for error in asked:
-        at_m = far_m if error.at_m is None else error.at_m
-        if error.pct is not None and error.pct > 100:
-            raise InvalidRange(f"depth error {error.pct:g}%: must be <= 100 % of the distance")
-        per_std = P95_OVER_STD if error.p95 else 1.0
-        yield Requirement("depth_error", error.error_m(at_m), at_m, per_std)
-
-
-def _others(options: DesignOptions, near_m: float, far_m: float) -> Iterator[Requirement]:
-    if options.fov_deg is not None:
-        yield Requirement("fov", math.radians(options.fov_deg))
-    if options.cover_mm is not None:
-        at_m = far_m if options.cover_at_m is None else options.cover_at_m
-        yield Requirement("cover", options.cover_mm / 1e3, at_m)
-    if options.max_baseline_mm is not None:
-        yield Requirement("max_baseline", options.max_baseline_mm / 1e3)
-    if options.max_disparity_px is not None:
-        yield Requirement("max_disparity", options.max_disparity_px, near_m)
-    if options.max_pixels is not None:
-        yield Requirement("pixels", options.max_pixels)
-
-
-def _overlaps(options: DesignOptions, near_m: float) -> Iterator[Requirement]:
-    shares = given.reals(options.min_overlap, "min_overlap")
-    at_m = options.min_overlap_at_m
-    distances = (near_m,) * len(shares) if at_m is None else given.reals(at_m, "min_overlap_at_m")
-    if len(distances) != len(shares):
-        raise InvalidRange(f"min_overlap_at_m: {len(distances)} distances for {len(shares)} shares")
-    for share, distance in zip(shares, distances, strict=True):
-        yield Requirement("overlap", share, distance)

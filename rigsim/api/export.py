@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rigsim.api.draw import rig_figure
-from rigsim.api.plain import takes
+from rigsim.api.kit.plain import takes
 from rigsim.api.result import Result
 from rigsim.api.rigs import RigLike, Several, read_rig, rig_for, told_of
 from rigsim.rig import given
@@ -258,7 +258,7 @@ def export_dataset(options: DatasetOptions) -> ExportedDataset:
         ...     len(found.table), rigsim.read_rig(folder) == rig
         (2, True)
     """
-    from rigsim.api.sensors import SensorOptions
+    from rigsim.api.kit.sensors import SensorOptions
     from rigsim.interop.files.dataset import check_format, nearest_m, write_dataset
     from rigsim.interop.files.folder import check_output
     from rigsim.sim.simulator import Simulator
@@ -268,25 +268,25 @@ def export_dataset(options: DatasetOptions) -> ExportedDataset:
     scene, folder = str(given.path(options.scene, "scene")), given.path(options.folder, "output folder")
     rig, format, move_mm = rig_for(options.rig, scene), options.format, options.move_mm
     levels = given.reals(options.image_noise_grey, "image_noise_grey")
-    asked = SensorOptions(options.sensor, options.blur_px, levels, options.full_well_e, options.read_noise_e)
-    sensor = asked.one(told_of(options.rig).sensor)
+    optics = SensorOptions(options.sensor, options.blur_px, levels, options.full_well_e, options.read_noise_e)
+    sensor = optics.one(told_of(options.rig).sensor)
     check_format(format, rig)
     check_output(folder, options.force)
     with Simulator(scene, options.mount, options.renderer) as simulator:
         simulator.place(rig)
-        wanted = Views(
+        views = Views(
             count=options.frames,
             seed=options.seed,
             move_m=None if move_mm is None else move_mm / 1e3,
             turn_deg=options.turn_deg,
             nearest_m=nearest_m(format, rig),
         )
-        made = render_frames(simulator, rig, wanted, sensor)
-        views = {"seed": options.seed, "move_mm": move_mm, "turn_deg": options.turn_deg}
+        made = render_frames(simulator, rig, views, sensor)
+        asked = {"seed": options.seed, "move_mm": move_mm, "turn_deg": options.turn_deg}
         provenance = simulator_provenance(simulator)
-        manifest = {**views, "sensor": asdict(sensor), **provenance, "command": options.command}
+        manifest = {**asked, "sensor": asdict(sensor), **provenance, "command": options.command}
         names = write_dataset(
             folder, format, rig, made, count=options.frames, manifest=manifest, force=options.force
         )
-    said = {"frames": options.frames, **views, "provenance": provenance}
+    said = {"frames": options.frames, **asked, "provenance": provenance}
     return ExportedDataset(rig, format, scene, folder, tuple(names), said, options.command, simulator.remarks)

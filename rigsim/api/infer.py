@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rigsim.api.asked import DepthError, depth_errors
-from rigsim.api.plain import takes
+from rigsim.api.kit.asked import DepthError, depth_errors
+from rigsim.api.kit.plain import takes
 from rigsim.api.result import Result
 from rigsim.api.rigs import RigLike, Several, read_rig
 from rigsim.errors import InvalidRange
@@ -95,7 +95,7 @@ class Inferred(Result):
         return {"infer.json": json_bytes(self.document()), "infer.png": picture}
 
     def document(self, written: Written | None = None) -> Mapping[str, Any]:
-        """The inference; docs/infer.md says what the keys mean."""
+        """The inference; docs/reference/infer.md says what the keys mean."""
         from rigsim.interop.documents.written.infer import inference_document
 
         return inference_document(self.inference, self.carried, self.remarks)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from rigsim.api.plain import takes
+from rigsim.api.kit.plain import takes
 from rigsim.api.result import Result
 from rigsim.api.rigs import RigLike, read_rig, told_of
 from rigsim.errors import InvalidRange
@@ -107,7 +107,7 @@ class Measured(Result):
         return written
 
     def document(self, written: Written | None = None) -> Mapping[str, Any]:
-        """All that was measured; docs/measure.md says what the keys mean."""
+        """All that was measured; docs/reference/measure.md says what the keys mean."""
         from rigsim.interop.files.measure import document
 
         return document(self.result, written)

@@ -8,7 +8,7 @@ from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rigsim.api.plain import takes
+from rigsim.api.kit.plain import takes
 from rigsim.api.result import Result
 from rigsim.api.rigs import RigLike, rig_for
 from rigsim.rig import given

@@ -7,8 +7,8 @@ from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rigsim.api.asked import depth_errors
-from rigsim.api.plain import takes
+from rigsim.api.kit.asked import depth_errors
+from rigsim.api.kit.plain import takes
 from rigsim.api.result import Result
 from rigsim.api.rigs import RigLike, read_rig
 from rigsim.errors import InvalidRange
@@ -118,7 +118,7 @@ class Toleranced(Result):
         }
 
     def document(self, written: Written | None = None) -> Mapping[str, Any]:
-        """The study; docs/tolerance.md says what the keys mean."""
+        """The study; docs/reference/tolerance.md says what the keys mean."""
         from rigsim.interop.documents.written.tolerance import tolerance_document
 
         return tolerance_document(self.result)

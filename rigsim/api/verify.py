@@ -8,10 +8,10 @@ from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rigsim.api.plain import takes
+from rigsim.api.kit.plain import takes
+from rigsim.api.kit.triangulators import TIMEOUT_S, Method, named, opened
 from rigsim.api.result import Result
 from rigsim.api.rigs import RigLike, read_rig
-from rigsim.api.triangulators import TIMEOUT_S, Method, named, opened
 from rigsim.errors import InvalidRange
 from rigsim.rig import given
 from rigsim.rig.remark import Remark
@@ -45,6 +45,7 @@ class VerifyOptions:
     strict: bool = False
     seed: int = 0
     timeout_s: float = TIMEOUT_S
+    in_process: bool = False
     golden: str | os.PathLike[str] | None = None
     update: bool = False
     progress: Stage | None = None
@@ -122,7 +123,7 @@ class Verified(Result):
         return junit_bytes(self.result, self.strict)
 
     def document(self, written: Written | None = None) -> Mapping[str, Any]:
-        """The verification; docs/verify.md says what the keys mean."""
+        """The verification; docs/reference/verify.md says what the keys mean."""
         from rigsim.interop.documents.written.verify import verify_document
 
         return verify_document(self.result, self.strict, self.golden)
@@ -146,7 +147,7 @@ def verify(options: VerifyOptions) -> Verified:
     Args:
         triangulators: optimal (unless said), rectified, dlt, midpoint, cv2, ``package.module:function``,
             which runs in a process of its own, or functions, which run in this one.
-        programs: Programs in any language; see docs/exec.md.
+        programs: Programs in any language; see docs/reference/exec.md.
         suite: quick, for every commit; or full, before a release.
         cases: Only these cases or groups, as ``verged`` or ``far*``.
         scenes: Scenes to take surfaces and pictures from; all unless said, and none for an empty list.
@@ -155,6 +156,8 @@ def verify(options: VerifyOptions) -> Verified:
         strict: Whether errors larger than least squares would leave fail, too.
         seed: Seed of every random number.
         timeout_s: For one call of a function or program of somebody else's, s.
+        in_process: Whether a ``package.module:function`` is called in this process as well: faster, but if
+            it crashes or hangs, so does this.
         golden: A folder of golden results that the numbers are held against; what moved fails.
         update: Whether golden results are written, to `golden` or reports/golden.
         progress: Is called with what is being done, how much of it is done, and of how much.
@@ -183,7 +186,7 @@ def verify(options: VerifyOptions) -> Verified:
     methods, programs = named(options.triangulators), tuple(map(str, given.several(options.programs)))
     if not methods and not programs:
         methods = ("optimal",)
-    with opened(methods, programs, options.timeout_s) as known:
+    with opened(methods, programs, options.timeout_s, options.in_process) as known:
         gathered = _gathered(selection, options.progress)
         total, done = len(gathered.cases) * len(known), 0
 

@@ -9,8 +9,9 @@ from typing import Any
 import pytest
 
 import rigsim
+from rigsim.api.kit.sweep_plan import rig_grid
 from rigsim.api.result import Result
-from rigsim.api.sweep import Sweep, rig_grid
+from rigsim.api.sweep import Sweep
 from rigsim.errors import InvalidRange, OutputError, RigsimError
 from rigsim.rig.sensor import Sensor
 
@@ -113,3 +114,10 @@ def test_a_word_that_is_none_is_told_by_python() -> None:
     with pytest.raises(TypeError, match="baseline_mm"):
         sweep(rig="oak-d", baseline_mm=50)
     assert "baselines_mm" in str(__import__("inspect").signature(rigsim.sweep))
+
+
+def test_other_axes_and_isolation_are_said_as_well(tmp_path: Path) -> None:
+    with pytest.raises(InvalidRange, match=r"axis 'colour': must be one of .*baseline"):
+        sweep(rig="oak-d", more={"colour": 3}, **SMALL)
+    with pytest.raises(InvalidRange, match="timeout 0 s: must be > 0"):
+        sweep(rig="oak-d", timeout_s=0, **SMALL)

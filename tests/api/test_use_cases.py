@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import rigsim
-from rigsim.api.asked import DepthError
+from rigsim.api.kit.asked import DepthError
 from rigsim.api.result import Result
 from rigsim.errors import InvalidRange, InvalidRig, OutputError, RigsimError
 from rigsim.testing import render_stereo

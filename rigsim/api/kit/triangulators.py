@@ -37,23 +37,22 @@ def named(methods: Method | Sequence[Method], what: str = "triangulator") -> tup
 
 @contextmanager
 def opened(
-    methods: Sequence[Method], programs: Sequence[str], timeout_s: float
+    methods: Sequence[Method], programs: Sequence[str], timeout_s: float, in_process: bool = False
 ) -> Iterator[dict[str, Triangulator]]:
     """By the name they have in tables; somebody else's given by name run outside this process."""
     from rigsim.study.triangulators.isolated import IsolatedTriangulator
-    from rigsim.study.triangulators.registry import label as label_of
-    from rigsim.study.triangulators.registry import named
+    from rigsim.study.triangulators.registry import label, named
 
     found: dict[str, Triangulator] = {}
     with ExitStack() as stack:
         for method in methods:
-            label = label_of(method)
-            if label in found:
-                raise InvalidRange(f"triangulator {label!r}: two functions of this name; name one otherwise")
-            if isinstance(method, str) and ":" in method:
-                found[label] = stack.enter_context(IsolatedTriangulator(method, timeout_s))
+            name = label(method)
+            if name in found:
+                raise InvalidRange(f"triangulator {name!r}: two functions of this name; name one otherwise")
+            if isinstance(method, str) and ":" in method and not in_process:
+                found[name] = stack.enter_context(IsolatedTriangulator(method, timeout_s))
             else:
-                found[label] = named(method)
+                found[name] = named(method)
         for command in programs:
             from rigsim.interop.exec.contract import ExecTriangulator
 
