@@ -22,6 +22,8 @@ A message gives the value, the bound and the way out, in one line:
 
 from __future__ import annotations
 
+from typing import Literal, TypeAlias
+
 
 class RigsimError(Exception):
     """Base of all errors a user can cause; the command line prints it as one line."""
@@ -59,12 +61,47 @@ class RenderMismatch(RigsimError, RuntimeError):
     """The rendered depth or frustum disagrees with rays or with the rig."""
 
 
+TriangulatorReason: TypeAlias = Literal[
+    "unknown",
+    "unloadable",
+    "misused",
+    "raised",
+    "ended",
+    "timed-out",
+    "no-array",
+    "wrong-shape",
+    "wrong-type",
+    "wrong-file",
+    "nothing-found",
+]
+"""Why a triangulator gives no points: its name is unknown, it cannot be loaded, is given pixels or a rig that
+it is not for, raised, ended its process or failed, took too long; returned what is no array, an array of
+another shape or type, a file that cannot be read; or found nothing anywhere."""
+
+
 class TriangulatorError(RigsimError, ValueError):
     """A triangulator that is unknown, raises, or returns the wrong thing."""
+
+    def __init__(
+        self, message: str, reason: TriangulatorReason = "misused", shape: tuple[int, ...] = ()
+    ) -> None:
+        super().__init__(message)
+        self.reason: TriangulatorReason = reason
+        """What went wrong."""
+        self.shape = shape
+        """The shape that came back, where that is what is wrong."""
+
+    def __reduce__(self) -> tuple[type[TriangulatorError], tuple[str, TriangulatorReason, tuple[int, ...]]]:
+        return type(self), (str(self), self.reason, self.shape)
 
 
 class TriangulatorTimeout(TriangulatorError):
     """A triangulator that takes longer than it may."""
+
+    def __init__(
+        self, message: str, reason: TriangulatorReason = "timed-out", shape: tuple[int, ...] = ()
+    ) -> None:
+        super().__init__(message, reason, shape)
 
 
 class MeasurementFailed(RigsimError, RuntimeError):

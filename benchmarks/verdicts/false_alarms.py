@@ -11,9 +11,10 @@ import time
 from dataclasses import replace
 
 from rigsim import BrownConrady, Intrinsics, PixelNoise, Plan, Pose, StereoRig
+from rigsim.present.kit.agreement import text
 from rigsim.rig.sensor import Sensor
 from rigsim.sim.simulator import Simulator
-from rigsim.study.agreement.agreement import kind_of
+from rigsim.study.agreement.agreement import Agreement
 from rigsim.study.sweep.processes import run_all
 
 SCENES = ("boards", "branch", "artifact", "corridor", "bin")
@@ -67,9 +68,9 @@ def count(seeds: int) -> int:
                         continue
                     measured = (seed + i) % 10 == 0 and rig.left.distortion is None
                     agreement = _agreement(rig, _plan(scene, noise, seed, measured), simulator)
-                    kinds[kind_of(agreement)] += 1
-                    if kind_of(agreement) != "agrees":
-                        print(f"{name} in {scene}, seed {seed}: {agreement}", flush=True)
+                    kinds[agreement.kind] += 1
+                    if agreement.kind != "agrees":
+                        print(f"{name} in {scene}, seed {seed}: {text(agreement)}", flush=True)
         print(f"{scene}: {sum(kinds.values())} runs so far, {kinds['flagged']} flagged", flush=True)
     total = sum(kinds.values())
     print(f"{kinds['flagged']} of {total} correct runs flagged, at most 1 of 400 allowed; ", end="")
@@ -90,7 +91,8 @@ def _plan(scene: str, noise: PixelNoise, seed: int, measured: bool) -> Plan:
     )
 
 
-def _agreement(rig: StereoRig, plan: Plan, simulator: Simulator) -> str:
+def _agreement(rig: StereoRig, plan: Plan, simulator: Simulator) -> Agreement:
     """The agreement of one rig, also where nothing comes of it, which ends a sweep."""
     (outcome,) = run_all([rig], plan, 1, simulator)
-    return str(outcome.rows[0]["agreement"])
+    agreement: Agreement = outcome.rows[0]["agreement"]
+    return agreement

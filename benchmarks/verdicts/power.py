@@ -18,9 +18,10 @@ from typing import TypeAlias
 import numpy as np
 
 from rigsim import Perturbation, Plan, Simulator, StereoRig, preset, triangulate
+from rigsim.present.kit.agreement import fault, text
 from rigsim.rig.arrays import Array
 from rigsim.rig.lens.distortion import BrownConrady
-from rigsim.study.agreement.agreement import kind_of
+from rigsim.study.agreement.agreement import Agreement
 from rigsim.study.scene.look import Look, all_rows
 
 SEEDS = 20
@@ -127,14 +128,15 @@ RIGS: dict[str, tuple[Perturbation, str]] = {
 
 def verdict(
     simulator: Simulator, method: Method, rig: StereoRig, perturbation: Perturbation | None, seed: int
-) -> str:
+) -> Agreement:
     """The agreement of one row of a sweep."""
     plan = Plan(scene=SCENE, triangulators=(method,), seed=seed, measure="none", perturbation=perturbation)
     true_rig, _ = plan.true_and_assumed(rig)
     simulator.place(true_rig)
     truth = simulator.truth(plan.n_points, plan.stream("truth", simulator.scene.name, rig), plan.range_m)
     outcome = all_rows(simulator, rig, plan, Look({}, truth), {})
-    return str(outcome.rows[0]["agreement"])
+    agreement: Agreement = outcome.rows[0]["agreement"]
+    return agreement
 
 
 def run() -> None:
@@ -145,15 +147,15 @@ def run() -> None:
     print(f"{'mistake':40s} flagged  named   of {SEEDS} seeds")
     worst = SEEDS
     with Simulator(SCENE, renderer="rays") as simulator:
-        correct = [kind_of(verdict(simulator, RIGHT, RIG, None, seed)) for seed in range(SEEDS)]
+        correct = [verdict(simulator, RIGHT, RIG, None, seed).kind for seed in range(SEEDS)]
         for name, method, rig, perturbation, words in cases:
             told = [verdict(simulator, method, rig, perturbation, seed) for seed in range(SEEDS)]
-            flagged = [text for text in told if kind_of(text) == "flagged"]
-            named = [text for text in flagged if re.search(words, text.partition("; ")[2])]
+            flagged = [one for one in told if one.kind == "flagged"]
+            named = [one for one in flagged if one.fault is not None and re.search(words, fault(one.fault))]
             worst = min(worst, len(named))
             print(f"{name:40s} {len(flagged):7d} {len(named):6d}", flush=True)
             if len(named) < SEEDS:
-                odd = next((text for text in told if text not in named), "")
+                odd = next((text(one) for one in told if one not in named), "")
                 print(f"    {odd[:160]}")
     print(f"correct, for comparison: {correct.count('flagged')} of {SEEDS} flagged")
     print(

@@ -88,8 +88,10 @@ class Compared(Result):
     def document(self, written: Written | None = None) -> Mapping[str, Any]:
         """The comparison; docs/reference/compare.md says what the keys mean."""
         from rigsim.interop.documents.compare import compare_document
+        from rigsim.present.compare import words
 
-        return compare_document(self.result).model_dump()
+        said = words.headline(self.result), words.sentences(self.result)
+        return compare_document(self.result, *said).model_dump()
 
     def print(self, folder: Path | None = None) -> None:
         """Print the comparison at one noise level, and what it says."""

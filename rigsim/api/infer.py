@@ -96,9 +96,10 @@ class Inferred(Result):
 
     def document(self, written: Written | None = None) -> Mapping[str, Any]:
         """The inference; docs/reference/infer.md says what the keys mean."""
-        from rigsim.interop.documents.written.infer import inference_document
+        from rigsim.interop.documents.infer import inference_document
+        from rigsim.present.infer.words import sentence
 
-        return inference_document(self.inference, self.carried, self.remarks)
+        return inference_document(self.inference, sentence(self.inference), self.carried, self.remarks)
 
     def print(self, folder: Path | None = None) -> None:
         """Print the noise, the law and every distance."""

@@ -19,6 +19,7 @@ from rigsim.study.sweep.result import SweepResult
 if TYPE_CHECKING:
     from rigsim.interop.documents.base import Written
     from rigsim.present.kit.types import Figure, Table
+    from rigsim.present.sweep.words import Verdict
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,8 +28,17 @@ class Sweep(SweepResult, Result):
 
     @property
     def table(self) -> Table:
-        """One row a configuration, the columns of sweep.csv: `rows`."""
-        return self.rows
+        """One row a configuration, as in sweep.csv: `rows` with its agreements as words."""
+        from rigsim.present.kit.agreement import spelled
+
+        return spelled(self.rows)
+
+    @property
+    def verdict(self) -> Verdict:
+        """The answer in words, with numbers."""
+        from rigsim.present.sweep.words import verdict
+
+        return verdict(self)
 
     @property
     def headline(self) -> str:
@@ -46,14 +56,16 @@ class Sweep(SweepResult, Result):
         """report.html, its pictures, sweep.csv, sweep_by_depth.csv, rig.toml and provenance.json."""
         from rigsim import present
         from rigsim.interop.files.tables import sweep_files
+        from rigsim.present.sweep.words import spelled
 
-        return {**present.sweep_files(self), **sweep_files(self)}
+        return {**present.sweep_files(self), **sweep_files(self, spelled)}
 
     def document(self, written: Written | None = None) -> Mapping[str, Any]:
         """The whole sweep; docs/reference/json.md says what the keys mean."""
         from rigsim.interop.documents.sweep import sweep_document
+        from rigsim.present.sweep import words
 
-        return sweep_document(self, written)
+        return sweep_document(self, words, written)
 
     def print(self, folder: Path | None = None) -> None:
         """Print the verdict, the best rows and what is flagged."""

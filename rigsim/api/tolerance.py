@@ -119,9 +119,10 @@ class Toleranced(Result):
 
     def document(self, written: Written | None = None) -> Mapping[str, Any]:
         """The study; docs/reference/tolerance.md says what the keys mean."""
-        from rigsim.interop.documents.written.tolerance import tolerance_document
+        from rigsim.interop.documents.tolerance import tolerance_document
+        from rigsim.present.tolerance import words
 
-        return tolerance_document(self.result)
+        return tolerance_document(self.result, words)
 
     def print(self, folder: Path | None = None) -> None:
         """Print the ranked tables, the built rigs at each depth, and how many are good."""

@@ -124,7 +124,7 @@ class Verified(Result):
 
     def document(self, written: Written | None = None) -> Mapping[str, Any]:
         """The verification; docs/reference/verify.md says what the keys mean."""
-        from rigsim.interop.documents.written.verify import verify_document
+        from rigsim.interop.documents.verify import verify_document
 
         return verify_document(self.result, self.strict, self.golden)
 

@@ -117,8 +117,9 @@ def compare(
 def _deliver(result: ComparisonResult, out: Path | None, force: bool, as_json: bool) -> None:
     from rigsim.interop.documents.compare import compare_document
     from rigsim.interop.files import folder
+    from rigsim.present.compare import words
 
-    document = compare_document(result).model_dump()
+    document = compare_document(result, words.headline(result), words.sentences(result)).model_dump()
     if out is not None:
         from rigsim.interop.files.tables import csv_bytes, json_bytes
         from rigsim.present.compare.page import comparison_files

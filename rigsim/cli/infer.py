@@ -81,11 +81,12 @@ def infer(
         depths_mm = quantity.values(at, quantity.DEPTH) if at is not None else None
         depths_m = errors.depths_m if depths_mm is None else np.array(depths_mm) / 1e3
         carried = study.transfer(inference, other, depths_m)
-    from rigsim.interop.documents.written.infer import inference_document
+    from rigsim.interop.documents.infer import inference_document
+    from rigsim.present.infer.words import sentence
     from rigsim.study.infer.remarks import remarks
 
     said += remarks(inference, units_written=claim is not None)
-    document = inference_document(inference, carried, said)
+    document = inference_document(inference, sentence(inference), carried, said)
     if out is not None:
         from rigsim.interop.files.tables import json_bytes
         from rigsim.present.infer.figure import inference_png

@@ -203,11 +203,12 @@ def _deliver(result: SweepResult, target: Path | None, force: bool, as_json: boo
     from rigsim import present
     from rigsim.interop.files import folder
     from rigsim.interop.files.tables import sweep_files
+    from rigsim.present.sweep import words
 
     print_remarks(result.remarks)
     files: dict[str, bytes] = {}
     if target is not None:
-        files = {**present.sweep_files(result), **sweep_files(result)}
+        files = {**present.sweep_files(result), **sweep_files(result, words.spelled)}
         folder.write_folder(target, files, force)
     if not as_json:
         present.print_sweep(result, target)
@@ -216,7 +217,7 @@ def _deliver(result: SweepResult, target: Path | None, force: bool, as_json: boo
     from rigsim.interop.documents.sweep import sweep_document
 
     written = None if target is None else Written(folder=str(target), files=sorted(files))
-    print_document(sweep_document(result, written))
+    print_document(sweep_document(result, words, written))
 
 
 def _methods(text: str) -> tuple[str, ...]:

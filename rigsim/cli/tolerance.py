@@ -168,10 +168,11 @@ def tolerance(
         seed=seed,
     )
 
-    from rigsim.interop.documents.written.tolerance import tolerance_document
+    from rigsim.interop.documents.tolerance import tolerance_document
+    from rigsim.present.tolerance import words
     from rigsim.study.tolerance.table import tolerance_table
 
-    document = tolerance_document(result)
+    document = tolerance_document(result, words)
     if out is not None:
         from rigsim.interop.files.tables import csv_bytes, json_bytes
         from rigsim.present.tolerance.console import tolerance_png

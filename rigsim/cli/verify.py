@@ -188,7 +188,7 @@ def _deliver(
     as_json: bool,
     golden: GoldenReport | None,
 ) -> None:
-    from rigsim.interop.documents.written.verify import verify_document
+    from rigsim.interop.documents.verify import verify_document
     from rigsim.interop.files import folder
     from rigsim.interop.files.junit import junit_bytes
     from rigsim.interop.files.tables import json_bytes

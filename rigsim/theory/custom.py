@@ -60,22 +60,29 @@ class CheckedTriangulator:
         except TriangulatorError:
             raise  # one that calls a program or another process has said all there is to say
         except Exception as error:
-            raise TriangulatorError(f"triangulator {self.name!r} raised {first_line(error)}") from error
+            raise TriangulatorError(
+                f"triangulator {self.name!r} raised {first_line(error)}", "raised"
+            ) from error
         expected = (len(uv_left), 3)
         try:
             result = np.asarray(returned)
         except Exception as error:  # ragged lists, tensors on another device
             raise TriangulatorError(
                 f"triangulator {self.name!r} returned a {type(returned).__name__} that is no array"
-                f" ({first_line(error)}): must be {expected}, a row a point"
+                f" ({first_line(error)}): must be {expected}, a row a point",
+                "no-array",
             ) from error
         if result.shape != expected:
             raise TriangulatorError(
-                f"triangulator {self.name!r} returned shape {result.shape}: must be {expected}, a row a point"
+                f"triangulator {self.name!r} returned shape {result.shape}: must be {expected}, "
+                "a row a point",
+                "wrong-shape",
+                result.shape,
             )
         if result.dtype.kind not in "fiu":
             raise TriangulatorError(
-                f"triangulator {self.name!r} returned type {result.dtype}: must be real numbers"
+                f"triangulator {self.name!r} returned type {result.dtype}: must be real numbers",
+                "wrong-type",
             )
         points = result.astype(np.float64)
         points[~np.isfinite(points).all(axis=1)] = np.nan
@@ -90,18 +97,18 @@ def load(name: str) -> CheckedTriangulator:
     """
     module_name, _, attribute = name.partition(":")
     if not module_name or not attribute:
-        raise TriangulatorError(f"triangulator {name!r}: must be written package.module:function")
+        raise TriangulatorError(f"triangulator {name!r}: must be written package.module:function", "unknown")
     try:
         function = strangers.find(name)
     except AttributeError as error:
-        raise TriangulatorError(f"triangulator {name!r}: {first_line(error)}") from error
+        raise TriangulatorError(f"triangulator {name!r}: {first_line(error)}", "unloadable") from error
     except Exception as error:
         raise TriangulatorError(
-            f"triangulator {name!r}: cannot import {module_name} ({first_line(error)})"
+            f"triangulator {name!r}: cannot import {module_name} ({first_line(error)})", "unloadable"
         ) from error
     if not callable(function):
         raise TriangulatorError(
-            f"triangulator {name!r}: {attribute} is a {type(function).__name__}, not a function"
+            f"triangulator {name!r}: {attribute} is a {type(function).__name__}, not a function", "unloadable"
         )
     return CheckedTriangulator(function, name)
 

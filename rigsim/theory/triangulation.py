@@ -56,7 +56,8 @@ def rectified(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
     if not rig.is_rectified:
         raise TriangulatorError(
             "triangulator 'rectified': the rig is not rectified (parallel axes, equal fx, fy and cy, "
-            "no distortion): use 'optimal'"
+            "no distortion): use 'optimal'",
+            "misused",
         )
     return triangulate_rectified(rig, uv_left, uv_right)
 
@@ -104,10 +105,12 @@ def resolve(method: str | Callable[..., Any]) -> Triangulator:
         if ":" in method:
             return load(method)
         raise TriangulatorError(
-            f"unknown triangulator {method!r}: choose one of {', '.join(METHODS)}, or package.module:function"
+            f"unknown triangulator {method!r}: choose one of {', '.join(METHODS)}, "
+            "or package.module:function",
+            "unknown",
         )
     if not callable(method):
-        raise TriangulatorError(f"triangulator {method!r}: must be a name or a function")
+        raise TriangulatorError(f"triangulator {method!r}: must be a name or a function", "unknown")
     if isinstance(method, CheckedTriangulator) or method in METHODS.values():
         return method
     return CheckedTriangulator(method, getattr(method, "__qualname__", type(method).__name__))
@@ -119,13 +122,15 @@ def _pixels(uv_left: npt.ArrayLike, uv_right: npt.ArrayLike) -> tuple[Array, Arr
         try:
             array = np.asarray(uv, dtype=np.float64)
         except (TypeError, ValueError):
-            raise TriangulatorError(f"{side} pixels: must be numbers, shape (N, 2)") from None
+            raise TriangulatorError(f"{side} pixels: must be numbers, shape (N, 2)", "misused") from None
         if array.ndim != 2 or array.shape[1] != 2:
-            raise TriangulatorError(f"{side} pixels of shape {array.shape}: must be (N, 2), a row a point")
+            raise TriangulatorError(
+                f"{side} pixels of shape {array.shape}: must be (N, 2), a row a point", "misused"
+            )
         checked.append(array)
     left, right = checked
     if len(left) != len(right):
-        raise TriangulatorError(f"{len(left)} left and {len(right)} right pixels: must be as many")
+        raise TriangulatorError(f"{len(left)} left and {len(right)} right pixels: must be as many", "misused")
     return left, right
 
 

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 from rigsim.errors import InvalidRange, TriangulatorError, TriangulatorTimeout
+from rigsim.present.compare.words import headline, sentences
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.compare.judge import off_bound, quantile
 from rigsim.study.compare.row import Errors, errors, figures
 from rigsim.study.compare.run import COLUMNS, ComparisonPlan, ComparisonResult, compare
-from rigsim.study.compare.words import headline, off_bound, quantile, sentences
 from rigsim.study.triangulators.registry import KNOWN
 from rigsim.study.verify.bound import bound
 from rigsim.theory.custom import Triangulator

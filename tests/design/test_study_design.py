@@ -11,12 +11,13 @@ import pytest
 from numpy.typing import NDArray
 
 from rigsim.errors import InvalidRange, InvalidRig, InvalidScene
-from rigsim.interop.documents.written.design import design_document
+from rigsim.interop.documents.design import design_document
+from rigsim.present.design.words import outcome
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.sensor import Sensor
 from rigsim.study.design.budget import MARGIN
 from rigsim.study.design.checks import Check
-from rigsim.study.design.proof import Proof, following, prove, recommended, settle_and_prove
+from rigsim.study.design.proof import Objection, Proof, following, prove, recommended, settle_and_prove
 from rigsim.study.design.room import Room, measured_noise_px
 from rigsim.study.design.solve import PREFERENCES, Candidate, Design, pareto_front, solve, specify
 from rigsim.study.design.tolerance import design_tolerance
@@ -153,7 +154,7 @@ def test_the_pick_is_verified_in_the_scene() -> None:
         pick = design.candidates[0]
         formula = asked.achieved(pick.camera, pick.baseline_m, SPEC.disparity_std_px)
         close(held_to_all.simulated, formula, rtol=0.03 if asked.kind == "depth_error" else 1e-3)
-    document = json.loads(json.dumps(design_document(design, proofs), allow_nan=False))
+    document = json.loads(json.dumps(design_document(design, proofs, None, outcome), allow_nan=False))
     assert document["recommended"]["verified"] is True
     assert document["recommended"]["baseline_mm"] == design.candidates[0].baseline_m * 1e3
     assert document["binding"]["shortest"]["requirement"] == "depth_error"
@@ -174,7 +175,7 @@ def test_what_the_simulation_denies_is_not_verified_and_the_next_is_taken() -> N
     assert [proof.verified for proof in proofs] == [False] * (len(proofs) - 1) + [True]
     assert baselines_m[-1] > 2 * first.interval.lower.baseline_m > baselines_m[-2]
     close(proofs[0].checks[0].simulated, 2 * first.far_error_m, rtol=0.03)
-    assert "asked for 60 mm" in proofs[0].why
+    assert "asked for 60 mm" in outcome(proofs[0])
     denied_then_kept = Design(
         design.specification,
         design.intervals,
@@ -198,18 +199,22 @@ def test_other_cameras_come_after_the_interval_s_end() -> None:
     while (candidate := following(design, failed, cameras=2)) is not None:
         seen.append((candidate.camera, candidate.baseline_m))
         show = object.__new__(Showcase)
-        failed.append(Proof(candidate, (*checks, missed), False, "not verified", show))
+        failed.append(Proof(candidate, (*checks, missed), Objection("missed", missed), show))
     assert [b for camera, b in seen if camera == first.camera] == [b for b in own if b >= first.baseline_m]
     assert len({camera for camera, _ in seen}) == 2
     # too long a disparity asks for a shorter baseline
     search = Check(Requirement("max_disparity", 100.0, 0.5), 120.0, "points")
     longest = max((c for c in design.candidates if c.camera == first.camera), key=lambda c: c.baseline_m)
-    after = following(design, [Proof(longest, (search,), False, "", object.__new__(Showcase))])
+    after = following(
+        design, [Proof(longest, (search,), Objection("missed", search), object.__new__(Showcase))]
+    )
     assert after is not None
     assert (after.camera, after.baseline_m) == (first.camera, own[-2])
     # a scene without points there shows nothing at any baseline
     lacking = Check(SPEC.requirements[0], math.nan, "points")
-    after = following(design, [Proof(first, (lacking,), False, "", object.__new__(Showcase))])
+    after = following(
+        design, [Proof(first, (lacking,), Objection("too-few-points", lacking), object.__new__(Showcase))]
+    )
     assert after is not None
     assert after.camera != first.camera
 
@@ -259,13 +264,13 @@ def test_a_sensor_s_noise_is_settled_by_measuring() -> None:
         shown_px = measured_noise_px(found, (0.5, 3.0), [3.0])
     spec = design.specification
     assert spec.noise_source == "measured"
-    assert proofs[-1].verified, proofs[-1].why
+    assert proofs[-1].verified, outcome(proofs[-1])
     assert shown_px <= 1.15 * spec.noise_px
     assert 0.005 < spec.noise_px < 0.25
     held = proofs[-1].checks[0]
     assert held.n_measured >= 30
     assert not held.is_missed_by_pixels
-    document = design_document(design, proofs)
+    document = design_document(design, proofs, None, outcome)
     assert document["noise_source"] == "measured"
     close(document["requirements"][0]["measured"], held.measured * 1e3, rtol=1e-9)
 
@@ -297,7 +302,7 @@ def test_the_farthest_depth_error_is_what_the_build_is_held_to() -> None:
     assert [item.name for item in found.yields] == ["printed", "machined", "calibrated"]
     built = [item.as_built.share for item in found.yields]
     assert built == sorted(built)
-    part = design_document(solve(spec, CAMERAS), (), found)["tolerance"]
+    part = design_document(solve(spec, CAMERAS), (), found, outcome)["tolerance"]
     assert part["class"] == "calibrated"
     assert len(part["distances_mm"]) == len(part["quantities"][0]["depth_error_mm"])
     with pytest.raises(InvalidRange, match="printed, machined, calibrated"):

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from rigsim.present.design.words import grounds
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.design.checks import Check, Sight, check, nearest_points
-from rigsim.study.design.proof import grounds
-from rigsim.study.scene.plan import Plan
 from rigsim.study.scene.third_witness import Measured
 from rigsim.theory.inverse import Requirement
 from rigsim.theory.inverse_error import P95_OVER_STD
@@ -128,7 +127,6 @@ def test_pixels_are_held_to_the_same(per_std: float) -> None:
 
 
 def test_grounds_count_each_point_once_and_say_where_they_are() -> None:
-    plan = Plan(scene="hall", n_trials=50)
     std, p95 = (Requirement("depth_error", 1.0, 3.0, per_std) for per_std in (1.0, P95_OVER_STD))
     near = Requirement("depth_error", 1.0, 1.7)
     # 150 points about 1.64 m: nothing is within 1.25 of 3 m, so the nearest 100 stand for it
@@ -137,14 +135,16 @@ def test_grounds_count_each_point_once_and_say_where_they_are() -> None:
     assert [held.n_points for held in both] == [100, 100]
     assert both[0].is_widened
     far = "at 1.64 to 1.65 m (too few are closer to 3 m)"
-    assert f"in `hall` on 100 points {far}, 50 trials each" in grounds(both, plan, "", "")
+    assert f"in `hall` on 100 points {far}, 50 trials each" in grounds(both, "hall", 50, "", "")
     also_near = [*both, found(near, seen)]
     assert not also_near[-1].is_widened
-    assert f"on 150 points near the distances asked for and {far}, 50" in grounds(also_near, plan, "", "")
+    assert f"on 150 points near the distances asked for and {far}, 50" in grounds(
+        also_near, "hall", 50, "", ""
+    )
     # matches of one distance are counted once as well
     points = at(np.linspace(2.5, 3.4, 400))
     seen = sight(points, np.full(400, 1e-3), matches(points, np.zeros(400)))
-    said = grounds([found(std, seen), found(p95, seen)], plan, "patches", "ideal")
+    said = grounds([found(std, seen), found(p95, seen)], "hall", 50, "patches", "ideal")
     assert "on 400 points near the distances asked for, 50" in said
     assert "measured on 400 patches" in said
 

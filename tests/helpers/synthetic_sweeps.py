@@ -14,10 +14,11 @@ from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.sensor import Sensor
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.agreement.agreement import AGREES, Agreement
 from rigsim.study.scene.columns import DEPTH_COLUMNS, MEASURED_COLUMNS, ROW_COLUMNS
 from rigsim.study.scene.showcase import Showcase
 from rigsim.study.sweep.choice import rank
-from rigsim.study.sweep.result import SweepResult, Verdict
+from rigsim.study.sweep.result import SweepResult
 
 BINS_M = np.geomspace(0.5, 5.0, 9)
 
@@ -89,11 +90,11 @@ def make_result(
         std = depth_std(rig, points, noise)
         worse = {"midpoint": 1.05}.get(triangulator, 1.0) * (1.12 if i in flagged else 1.0)
         error = worse * std * np.sqrt(rng.chisquare(n_trials, n_points) / n_trials)
-        why = "agrees"
+        why = AGREES
         if i in flagged:
-            why = "flagged: simulated 12.0 % above predicted, 0.4 % expected"
+            why = Agreement("flagged", "simulated", "spread", "depth spread", 1.12)
         elif i in measured_flagged:
-            why = "flagged: measured error 1.8 times what its own accuracy predicts"
+            why = Agreement("flagged", "measured", "worse-than-claimed", "scale", 1.8)
         geometry = (width, baseline, vergence)
         third = _Third(method, measured_px * (1 + 0.3 * (baseline / 500)), rig, points, geometry)
         if i in measured_flagged:
@@ -151,7 +152,7 @@ def make_result(
         "swept": tuple(name for name, values in swept.items() if len(values) > 1),
         "best": best,
         "limits": tuple("overlap" if row["visible_fraction"] < 0.7 else "noise" for row in rows),
-        "lens_note": "The lens stays 70.8° wide: more pixels mean a longer focal length in px.",
+        "lens_held": "lens" if len(sizes) > 1 else "",
         "showcase": Showcase(
             best[0],
             rig,
@@ -162,19 +163,6 @@ def make_result(
             visible,
             sensor or Sensor(),
             np.where(visible, error, np.nan),
-        ),
-        "verdict": Verdict(
-            f"At {show['depth_median_mm'] / 1e3:.1f} m, {show['baseline_mm']:.0f} mm of baseline gives "
-            f"{show['depth_rmse_mm']:.2g} mm RMS; predicted {show['predicted_depth_rmse_mm']:.2g}; "
-            f"verified on {n_points} points of `{scene}`.",
-            (
-                "Pixel noise limits this rig: half the noise halves the error.",
-                f"{100 * show['visible_fraction']:.0f} % of the points are seen by both cameras.",
-                f"{len(flagged)} of {len(frame)} rigs are flagged."
-                if flagged
-                else f"Prediction and simulation agree for all {len(frame)} rigs.",
-            ),
-            not flagged and not measured_flagged,
         ),
         "provenance": {
             "command": "rigsim sweep --baseline 50:500 --scene boards --seed 0",
@@ -227,7 +215,7 @@ def _statistics(
     error_m: Array,
     n_trials: int,
     fractions: tuple[float, float],
-    agreement: str,
+    agreement: Agreement,
 ) -> dict[str, object]:
     rmse = float(np.sqrt(np.mean(error_m[used] ** 2))) * 1e3
     predicted = float(np.sqrt(np.mean(std_m[used] ** 2))) * 1e3
@@ -257,9 +245,5 @@ def _statistics(
         "depth_rmse_image_mm": rmse,
         "predicted_depth_rmse_image_mm": predicted,
         "agreement": agreement,
-        "agreement_witness": ""
-        if agreement == "agrees"
-        else "measured"
-        if "measured" in agreement
-        else "simulated",
+        "agreement_witness": agreement.witness,
     }

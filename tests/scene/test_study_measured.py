@@ -10,6 +10,8 @@ import pytest
 
 from rigsim import BrownConrady, Intrinsics, PixelNoise, Plan, RigGrid, Simulator, StereoRig, preset, sweep
 from rigsim.errors import InvalidRange, InvalidRig
+from rigsim.present.kit.agreement import text
+from rigsim.present.sweep.words import verdict
 from rigsim.rig.sensor import Sensor
 from rigsim.study.agreement.agreement import Agreement
 from rigsim.study.agreement.claims import measured_agreement
@@ -121,7 +123,7 @@ def test_nothing_found_says_why(boards: Simulator, pictures: Pictures):
     for method in ("corners", "patches"):
         row, agreement = judged(measure(method, boards, RIG, black))
         assert row["measured_n"] == 0
-        assert agreement.text.startswith("untold: nothing was measured (")
+        assert text(agreement).startswith("untold: nothing was measured (")
 
 
 def test_bins_follow_the_true_depth(corners: Measured):
@@ -173,7 +175,7 @@ def test_noise_of_the_picture_adds_no_render(monkeypatch: pytest.MonkeyPatch):
     )
     # pixel noise is simulated: it does not move what is measured
     assert result.rows.groupby("sensor")["measured_depth_rmse_mm"].nunique().eq(1).all()
-    assert "corresponds to `--noise" in " ".join(result.verdict.sentences)
+    assert "corresponds to `--noise" in " ".join(verdict(result).sentences)
 
 
 def test_scenes_with_few_boards_are_measured_by_patches():
@@ -181,14 +183,14 @@ def test_scenes_with_few_boards_are_measured_by_patches():
     (small,) = RigGrid(preset("bin").rig, resolutions_px=((640, 480),))
     row = sweep([small], plan).rows.loc[0]
     assert row["measured_method"] == "patches"
-    assert row["agreement"] == "agrees"
+    assert row["agreement"].kind == "agrees"
 
 
 def test_plain_pictures_of_rays_are_not_measured():
     small = StereoRig.rectified(Intrinsics.from_focal(320, 180, 225.0), 0.12)
     row = sweep([small], Plan(n_points=100, n_trials=5, renderer="rays", supersample=1)).rows.loc[0]
     assert row["measured_method"] == "none"
-    assert row["agreement"] == "agrees"
+    assert row["agreement"].kind == "agrees"
 
 
 def test_unknown_methods_and_no_sensor_are_refused():

@@ -47,12 +47,10 @@ def test_focal_in_px_changes_the_field_of_view_instead():
     assert rigs[1].left.hfov_deg == pytest.approx(2 * math.degrees(math.atan(640 / 500)))
 
 
-@pytest.mark.parametrize(
-    ("axes", "words"), [({}, "lens is fixed"), ({"focals_px": (500,)}, "focal length in pixels is fixed")]
-)
-def test_the_note_says_which_happened(axes: dict, words: str):
-    assert words in RigGrid(BASE, resolutions_px=((640, 480), (1280, 960)), **axes).lens_note
-    assert RigGrid(BASE, **axes).lens_note == ""
+@pytest.mark.parametrize(("axes", "held"), [({}, "lens"), ({"focals_px": (500,)}, "focal")])
+def test_what_stays_between_resolutions_is_known(axes: dict, held: str):
+    assert RigGrid(BASE, resolutions_px=((640, 480), (1280, 960)), **axes).lens_held == held
+    assert RigGrid(BASE, **axes).lens_held == ""
 
 
 def test_a_general_rig_grows_along_its_own_baseline():

@@ -141,7 +141,7 @@ def test_the_heat_map_puts_each_row_in_its_cell() -> None:
     for _, row in at_same_distances(result).iterrows():
         i, j = up.values.index(row["noise_px"]), across.values.index(row["baseline_mm"])
         assert values[i, j] == row["depth_rmse_mm"]
-        assert flagged[i, j] == (row["agreement"] != "agrees")
+        assert flagged[i, j] == (row["agreement"].kind != "agrees")
     mesh = figure_of(result, "heat").axes[0].collections[0]
     np.testing.assert_array_equal(np.asarray(mesh.get_array()).reshape(2, 3), values)
 

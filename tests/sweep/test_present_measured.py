@@ -15,6 +15,7 @@ from rigsim.present.kit import style
 from rigsim.present.sweep import measured_words as words
 from rigsim.present.sweep.plots.curves import depth_error_figure, panel_figure, panels
 from rigsim.present.sweep.same import at_same_distances
+from rigsim.study.agreement.agreement import Agreement, blamed
 from rigsim.study.sweep.result import SweepResult
 from tests.helpers.synthetic_sweeps import make_result
 
@@ -239,19 +240,18 @@ def test_the_page_of_panels_holds_the_third_strip_for_each(result):
 
 
 def test_who_is_flagged():
-    rows = pd.DataFrame(
-        [
-            ("agrees", ""),
-            # the witness is told by its column, whatever words the reason has
-            ("flagged: simulated error where none was measured", "simulated"),
-            ("flagged: errors are 1.8 times what they claim", "measured"),
-            ("untold: nothing was measured (no board; none in left)", "measured"),
-            ("untold: left and right share nothing", "simulated"),
-        ],
-        columns=["agreement", "agreement_witness"],
-    )
-    assert words.blamed(rows, "simulated").tolist() == [False, True, False, False, False]
-    assert words.blamed(rows, "measured").tolist() == [False, False, True, False, False]
+    # the witness is told by the value, whatever words the reason or the scene has
+    found = [
+        Agreement("agrees"),
+        Agreement("flagged", "simulated", "not-exact", size_px=0.1),
+        Agreement("flagged", "measured", "worse-than-claimed", ratio=1.8),
+        Agreement("untold", "measured", "nothing-measured", cause="no board; none in left"),
+        Agreement("untold", "simulated", "nothing-shared"),
+        Agreement("flagged", "simulated", "all-failed", cause="scene measured: fell over"),
+    ]
+    rows = pd.DataFrame({"agreement": found})
+    assert blamed(rows, "simulated").tolist() == [False, True, False, False, False, True]
+    assert blamed(rows, "measured").tolist() == [False, False, True, False, False, False]
 
 
 def test_the_noise_to_type_is_the_disparitys_over_root_two():

@@ -10,6 +10,7 @@ import pytest
 from PIL import Image as PillowImage
 
 from rigsim.present.kit import format as fmt
+from rigsim.present.kit.agreement import text
 from rigsim.present.sweep.files import sweep_files
 from rigsim.present.sweep.page import report_html
 from rigsim.present.sweep.rig_table import rig_table, sensor_entries
@@ -18,7 +19,7 @@ from rigsim.present.sweep.witness_table import witness_table
 from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.sensor import Sensor
 from rigsim.study.scene.columns import MEASURED_COLUMNS
-from rigsim.study.sweep.result import SweepResult, Verdict
+from rigsim.study.sweep.result import SweepResult
 from tests.helpers.synthetic_sweeps import make_result
 
 VOID = {"meta", "img", "br", "hr", "link", "input"}
@@ -118,7 +119,7 @@ def test_the_table_of_all_rows_shows_the_frame(result: SweepResult, page: Page) 
         assert cells[2] == f"{low} – {high}"
         assert cells[3] == fmt.number(row["predicted_depth_rmse_mm"])
         assert cells[4] == fmt.ratio(row["predicted_over_simulated"])
-        assert cells[-1] == row["agreement"]
+        assert cells[-1] == text(row["agreement"])
     assert [cells[0].startswith("★") for cells in shown].index(True) == result.best[0]
 
 
@@ -132,7 +133,7 @@ def test_a_flagged_row_is_marked_by_text_and_by_colour(page: Page) -> None:
     assert page.classes.count("flagged") == 1
     assert "badge flagged" in page.classes
     assert "Flagged: 1 of 10 rows" in page.text
-    assert "simulated 12.0 % above predicted" in page.text
+    assert "simulated error 12 % above the prediction" in page.text
 
 
 def test_the_title_names_what_was_swept() -> None:
@@ -231,7 +232,7 @@ def test_a_flagged_measurement_is_named_beside_its_witness() -> None:
     page = Page(report_html(result))
     verdict = next(row for row in page.rows["witnesses"] if row and row[0] == "Verdict")
     assert verdict[2] == "✓ agrees"
-    assert verdict[3] == "⚠ flagged: measured error 1.8 times what its own accuracy predicts"
+    assert verdict[3] == "⚠ flagged: measured errors are 1.8 times what they claim"
     assert "Three witnesses agree" not in page.text
 
 
@@ -300,7 +301,6 @@ def test_what_a_scene_is_called_cannot_become_markup() -> None:
     result = dataclasses.replace(
         result,
         provenance={"command": f"rigsim sweep --scene '{evil}'", "note": evil},
-        verdict=Verdict(evil, (evil,), True),
     )
     html = report_html(result)
     page = Page(html)

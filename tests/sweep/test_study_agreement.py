@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import get_args
 
 import numpy as np
 import pytest
 
 from rigsim import Intrinsics, PixelNoise, Plan, StereoRig, sweep, triangulate
-from rigsim.study.agreement.agreement import AGREES, Agreement, kind_of, reason_of, worst
+from rigsim.present.kit.agreement import reason, text
+from rigsim.study.agreement.agreement import AGREES, Agreement, Place, Reason, worst
+from rigsim.study.agreement.agreement import flagged as flagged_rows
 from rigsim.study.agreement.claims import Scale, claim_scale, measured_agreement
+from rigsim.study.agreement.fault import Fault
 from rigsim.study.agreement.views import expand_views, predict_views, view_jacobian, views
 from rigsim.study.scene.columns import MEASURED_COLUMNS
 from rigsim.study.scene.trials import predict
@@ -83,8 +87,8 @@ def wavy(rig, uv_left, uv_right):
 )
 def test_what_a_depth_spread_does_not_show_is_flagged(scene: str, broken, words: str):
     rows = sweep([RIG], plan(scene, triangulators=("optimal", broken))).rows
-    assert rows["agreement"][0] == "agrees"
-    assert rows["agreement"][1].startswith("flagged: " + words)
+    assert rows["agreement"][0].kind == "agrees"
+    assert text(rows["agreement"][1]).startswith("flagged: " + words)
     assert rows["agreement_witness"][1] == "simulated"
 
 
@@ -96,10 +100,10 @@ def test_a_flagged_bin_flags_the_row(scene: str):
         return points
 
     result = sweep([RIG], plan(scene, triangulators=(near_only,), n_trials=100))
-    flagged = result.by_depth["agreement"].map(kind_of) == "flagged"
+    flagged = flagged_rows(result.by_depth)
     assert flagged.any()
     assert not flagged.all()
-    assert kind_of(result.rows["agreement"][0]) == "flagged"
+    assert result.rows["agreement"][0].kind == "flagged"
 
 
 def test_no_overlap_in_the_nearest_bin_is_no_disagreement(scene: str):
@@ -107,8 +111,8 @@ def test_no_overlap_in_the_nearest_bin_is_no_disagreement(scene: str):
     result = sweep([StereoRig.rectified(LENS, 1.5)], plan(scene))
     apart = result.by_depth["visible_fraction"] == 0
     assert apart.any()
-    assert (result.by_depth["agreement"][apart] == "untold: left and right share nothing").all()
-    assert result.rows["agreement"][0] == "agrees"
+    assert all(one.reason == "nothing-shared" for one in result.by_depth["agreement"][apart])
+    assert result.rows["agreement"][0].kind == "agrees"
 
 
 FAR = {
@@ -122,7 +126,7 @@ FAR = {
 def test_tails_flag_no_correct_rig(scene: str, name: str, seed: int):
     row = sweep([FAR[name]], plan(scene, noises=(PixelNoise(0.7),), seed=seed)).rows.loc[0]
     assert 0.02 < row["low_disparity_fraction"] < 0.98
-    assert row["agreement"] == "agrees"
+    assert row["agreement"].kind == "agrees"
     # within four standard errors, as the simulation's own 95 % interval has them
     error = (row["depth_rmse_ci_high_mm"] - row["depth_rmse_ci_low_mm"]) / (2 * 1.96 * row["depth_rmse_mm"])
     assert error < 0.05
@@ -141,13 +145,13 @@ def test_methods_that_fall_short_by_nature_are_held_to_their_own(
 ):
     rig = StereoRig.verged(LENS, 0.2, 6.0, right=replace(LENS, fx=right_focal_px, fy=right_focal_px))
     rows = sweep([rig], plan(scene, triangulators=(method,), noises=(PixelNoise(0.3),))).rows
-    assert rows["agreement"][0] == "agrees"
+    assert rows["agreement"][0].kind == "agrees"
 
 
 def test_few_triangulations_tell_nothing(scene: str):
     row = sweep([RIG], plan(scene, n_points=10, n_trials=1)).rows.loc[0]
-    assert row["agreement"].startswith("untold: ")
-    assert row["agreement"].endswith("triangulations are too few")
+    assert text(row["agreement"]).startswith("untold: ")
+    assert text(row["agreement"]).endswith("triangulations are too few")
 
 
 def test_views_by_hand():
@@ -220,7 +224,7 @@ def test_a_claim_is_held_to_its_errors(n: int, std: float, kind: str):
 
 def test_a_cautious_claim_is_told_as_such():
     errors = 0.47 * np.random.default_rng(1).standard_normal(1000)
-    assert "too cautious a claim to confirm" in measured(errors).text
+    assert "too cautious a claim to confirm" in text(measured(errors))
 
 
 def test_a_tenth_of_outlandish_errors_moves_no_verdict():
@@ -247,18 +251,27 @@ def test_half_of_nothing_is_flagged_and_two_of_five_are_not():
 
 
 def test_words_begin_with_the_kind():
-    assert AGREES.text == "agrees"
-    flagged = Agreement("flagged", "simulated", "depth spread", 2.0, "twice", "the doffs are lost")
-    assert flagged.text == "flagged: twice; the doffs are lost"
-    assert kind_of(flagged.text) == "flagged"
-    assert reason_of(flagged.text) == "twice; the doffs are lost"
-    assert reason_of("agrees") == ""
-    with pytest.raises(ValueError, match="must begin with"):
-        kind_of("fine")
+    assert text(AGREES) == "agrees"
+    fault = Fault("doffs", "the doffs are lost")
+    place = Place("depth", (2, 2.5))
+    flagged = Agreement("flagged", "simulated", "spread", "depth spread", 2.25, place=place, fault=fault)
+    assert (
+        text(flagged)
+        == "flagged: simulated error 2.25 times the prediction at 2 to 2.5 m; the doffs are lost"
+    )
+    assert reason(flagged) == text(flagged).removeprefix("flagged: ")
+    assert reason(AGREES) == ""
+
+
+def test_every_reason_has_words():
+    for one in get_args(Reason):
+        said = text(Agreement("untold", "simulated", one, cause="nobody came"))
+        assert said.startswith("untold: ")
+        assert len(said) > 12 or not one
 
 
 def test_the_worst_counts():
-    untold, flagged = Agreement("untold", why="few"), Agreement("flagged", why="off")
-    assert worst([AGREES, untold, flagged, Agreement("flagged", why="later")]) is flagged
+    untold, flagged = Agreement("untold", reason="exact"), Agreement("flagged", reason="mean")
+    assert worst([AGREES, untold, flagged, Agreement("flagged", reason="spread")]) is flagged
     assert worst([AGREES, untold]) is untold
     assert worst([]) is AGREES

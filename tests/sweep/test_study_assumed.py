@@ -13,6 +13,7 @@ from rigsim import Intrinsics, Perturbation, Plan, RigGrid, StereoRig, sweep
 from rigsim.cli.app import run
 from rigsim.errors import InvalidRange, InvalidRig
 from rigsim.interop.formats.rig_toml import parse_perturbation, parse_rig
+from rigsim.present.kit.agreement import spelled, text
 from tests.helpers.scenes import SLANTED, write
 
 LENS = Intrinsics(160, 120, 150.0, 150.0, 79.5, 59.5)
@@ -34,8 +35,8 @@ def plan(scene: str, **changes: object) -> Plan:
 def test_a_perturbed_rig_is_flagged_with_what_it_is_and_errs_as_geometry_says(scene: str):
     result = sweep([RIG], plan(scene, perturbation=YAW))
     row = result.rows.loc[0]
-    assert row["agreement"].startswith("flagged: ")
-    assert "yaw: the right camera looks 0.300 deg further right" in row["agreement"]
+    assert text(row["agreement"]).startswith("flagged: ")
+    assert "yaw: the right camera looks 0.300 deg further right" in text(row["agreement"])
     assert result.faults[0] is not None
     assert result.faults[0].amount == pytest.approx(0.3, rel=1e-3)
     # a right camera that looks further right sees points further left: disparity f (1 + x^2) psi too large
@@ -50,22 +51,22 @@ def test_a_perturbed_rig_is_flagged_with_what_it_is_and_errs_as_geometry_says(sc
 def test_the_assumed_rig_triangulates_and_the_swept_one_projects(scene: str):
     there = sweep([YAW.apply(RIG)], plan(scene, assumed=RIG)).rows.loc[0]
     back = sweep([RIG], plan(scene, assumed=YAW.apply(RIG))).rows.loc[0]
-    assert "0.300 deg further right" in there["agreement"]
-    assert "0.300 deg further left" in back["agreement"]
+    assert "0.300 deg further right" in text(there["agreement"])
+    assert "0.300 deg further left" in text(back["agreement"])
     assert there["depth_bias_mm"] < 0 < back["depth_bias_mm"]
 
 
 def test_an_assumed_rig_that_is_the_true_one_agrees(scene: str):
     alone = sweep([RIG], plan(scene)).rows
     same = sweep([RIG], plan(scene, assumed=replace(RIG))).rows
-    assert same.loc[0, "agreement"] == "agrees"
+    assert same.loc[0, "agreement"].kind == "agrees"
     assert same.equals(alone)
 
 
 def test_a_perturbation_goes_with_every_rig_and_an_assumed_rig_with_one(scene: str):
     grid = RigGrid(RIG, baselines_m=(0.1, 0.2))
     rows = sweep(grid, plan(scene, perturbation=YAW)).rows
-    assert rows["agreement"].str.contains("yaw: the right camera looks 0.300 deg").all()
+    assert spelled(rows)["agreement"].str.contains("yaw: the right camera looks 0.300 deg").all()
     with pytest.raises(InvalidRange, match="2 rigs and one that is assumed"):
         sweep(grid, plan(scene, assumed=RIG))
 

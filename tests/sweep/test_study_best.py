@@ -10,11 +10,13 @@ import pandas as pd
 import pytest
 
 from rigsim import Intrinsics, PixelNoise, Plan, RigGrid, StereoRig, sweep
+from rigsim.present.sweep.words import growth_words, verdict
 from rigsim.rig.pose import Pose
 from rigsim.sim.truth.points import image_weights, spread_over
+from rigsim.study.agreement.agreement import AGREES
 from rigsim.study.scene.columns import AXES, DEPTH_COLUMNS, ROW_COLUMNS
 from rigsim.study.sweep.comparison import compare, row_of_bins
-from rigsim.study.sweep.growth import growth_words
+from rigsim.study.sweep.growth import growth_of
 from rigsim.theory.reach import reach_m
 from rigsim.theory.uncertainty import depth_in_sigmas
 from tests.helpers.scenes import SLANTED, write
@@ -57,7 +59,7 @@ def test_short_baselines_do_not_win_by_losing_what_is_far(floor: str):
     own = result.rows["depth_rmse_mm"]
     assert own[0] < own[2]  # averages over what each can answer say the contrary
     assert list(result.best) == [2, 1, 0]
-    (trend,) = [words for words in result.verdict.sentences if words.startswith("From 100 to 400 mm")]
+    (trend,) = [words for words in verdict(result).sentences if words.startswith("From 100 to 400 mm")]
     assert "at 2 to 12.5 m falls" in trend
     # the law: the error at the same distances goes with 1 / B; at 4.5 sigma, the shortest, a little faster
     error = compare(result.rows, result.by_depth).simulated_mm
@@ -74,7 +76,7 @@ def test_a_row_compares_at_shared_distances_only():
         }
     )
     found = compare(rows, bins)
-    assert found.words == "1 to 4 m"
+    assert found.spans_mm == ((1000, 4000),)
     # two thirds of the shared pixels are near, a third is far
     np.testing.assert_allclose(found.simulated_mm, np.sqrt([(2 * 100 + 1600) / 3, (2 * 25 + 400) / 3]))
 
@@ -91,7 +93,7 @@ def test_a_row_that_answers_little_does_not_decide_where():
     near, far = (1, 2, 9.0, 50, 0, 0.2), (2, 4, 30.0, 50, 0, 0.8)
     rows, bins = tables({10.0: [near], 100.0: [near, far], 200.0: [near, far]})
     found = compare(rows, bins)
-    assert found.words == "1 to 4 m"
+    assert found.spans_mm == ((1000, 4000),)
     assert list(found.compared) == [False, True, True]
 
 
@@ -101,7 +103,7 @@ def tables(of: dict[float, list[tuple[float, ...]]]) -> tuple[pd.DataFrame, pd.D
     for baseline, parts in of.items():
         head = dict.fromkeys(AXES, 1.0) | {"scene": "s", "baseline_mm": baseline}
         rows.append(
-            head | {"n_points": 50, "depth_rmse_mm": 1.0, "visible_fraction": 1.0, "agreement": "agrees"}
+            head | {"n_points": 50, "depth_rmse_mm": 1.0, "visible_fraction": 1.0, "agreement": AGREES}
         )
         for near, far, rmse, n, low, share in parts:
             part = {"depth_near_mm": 1e3 * near, "depth_far_mm": 1e3 * far, "depth_rmse_mm": rmse}
@@ -113,7 +115,7 @@ def tables(of: dict[float, list[tuple[float, ...]]]) -> tuple[pd.DataFrame, pd.D
 
 def test_equal_methods_are_said_to_be_as_good(floor: str):
     result = sweep([RIG], plan(floor, triangulators=("optimal", "dlt"), range_m=(2.0, 5.0)))
-    assert any("as good within what the points can tell: `" in words for words in result.verdict.sentences)
+    assert any("as good within what the points can tell: `" in words for words in verdict(result).sentences)
 
 
 def test_rigs_that_no_column_tells_apart_keep_their_own_bins(floor: str):
@@ -169,7 +171,7 @@ def test_the_truth_ends_where_the_last_rig_ends(floor: str):
     assert result.far_limit_m == 32
     assert result.by_depth["depth_far_mm"].max() == 32_000
     beyond = F * EYE_M / 32 / HEIGHT
-    (words,) = [words for words in result.verdict.sentences if "beyond 32 m" in words]
+    (words,) = [words for words in verdict(result).sentences if "beyond 32 m" in words]
     assert f"up to {100 * beyond:.0f} % of a left image" in words
 
 
@@ -179,7 +181,7 @@ def test_a_given_range_wins_and_a_near_scene_has_no_end(floor: str, tmp_path: Pa
     near = sweep([RIG], plan(write(tmp_path, SLANTED), n_points=100))
     for result in (given, near):
         assert math.isinf(result.far_limit_m)
-        assert "left out" not in " ".join(result.verdict.sentences)
+        assert "left out" not in " ".join(verdict(result).sentences)
 
 
 def test_reach_of_a_rectified_rig_is_by_hand():
@@ -207,12 +209,15 @@ def test_reach_of_a_verged_rig_is_where_the_last_ray_comes_down_to_four():
 def test_growth_is_what_the_bins_say(power: float, words: str):
     depth = np.array([1000.0, 2000.0, 4000.0, 8000.0])
     bins = pd.DataFrame({"depth_median_mm": depth, "depth_rmse_mm": 3 * (depth / 1e3) ** power})
-    assert growth_words(bins) == words
+    assert growth_words(growth_of(bins)) == words
 
 
 def test_growth_that_is_no_power_is_told_by_its_ends():
     bins = pd.DataFrame({"depth_median_mm": [1e3, 2e3, 4e3], "depth_rmse_mm": [1.0, 20.0, 30.0]})
-    assert growth_words(bins) == "30 times the error at 4 times the distance (its square would be 16 times)"
+    assert (
+        growth_words(growth_of(bins))
+        == "30 times the error at 4 times the distance (its square would be 16 times)"
+    )
 
 
 def test_points_weigh_what_their_bin_covers():

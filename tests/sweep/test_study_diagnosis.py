@@ -11,7 +11,8 @@ import pytest
 
 from rigsim import BrownConrady, Intrinsics, Perturbation, PixelNoise, StereoRig, triangulate
 from rigsim.rig.arrays import Array
-from rigsim.study.sweep.diagnosis import UNKNOWN, find_fault
+from rigsim.study.agreement.fault import UNKNOWN
+from rigsim.study.sweep.diagnosis import find_fault
 
 LENS = Intrinsics(1280, 960, 1000.0, 1000.0, 639.5, 479.5)
 RIG = StereoRig.rectified(LENS, 0.12)
@@ -205,7 +206,7 @@ def test_an_answer_of_no_known_kind_is_said_to_be_that():
     )
     assert fault is not None
     assert fault.name == "unknown"
-    assert fault.says.startswith(UNKNOWN)
+    assert fault.says.startswith(UNKNOWN.says)
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,9 @@ import pytest
 
 from rigsim import Intrinsics, PixelNoise, Plan, RigGrid, Simulator, StereoRig, sweep, triangulate
 from rigsim.errors import InvalidRange, InvalidScene, TriangulatorError
+from rigsim.present.kit.agreement import spelled, text
+from rigsim.present.sweep.words import verdict
+from rigsim.study.agreement.agreement import kinds
 from rigsim.study.scene.columns import AXES, DEPTH_COLUMNS, ROW_COLUMNS
 from rigsim.theory.uncertainty import predict_depth_std
 from tests.helpers.scenes import SLANTED, write
@@ -43,12 +46,12 @@ RIGS = {
 @pytest.mark.parametrize("name", RIGS)
 def test_prediction_and_simulation_agree(scene: str, name: str):
     result = sweep([RIGS[name]], plan(scene, noises=(PixelNoise(0.1), PixelNoise(0.3, correlation=0.5))))
-    assert list(result.rows["agreement"]) == ["agrees"] * 2
+    assert list(kinds(result.rows)) == ["agrees"] * 2
     assert (result.rows["predicted_over_simulated"] - 1).abs().max() < 0.05
     assert (result.rows["nees"] - 3).abs().max() < 0.15
     seen = result.by_depth[result.by_depth["visible_fraction"] > 0]
-    assert (seen["agreement"] == "agrees").all()
-    assert result.verdict.agrees
+    assert (kinds(seen) == "agrees").all()
+    assert result.agrees
 
 
 def broken_swapped(rig, uv_left, uv_right):
@@ -84,10 +87,10 @@ def broken_principal_sign(rig, uv_left, uv_right):
 )
 def test_wrong_depth_is_flagged(scene: str, broken):
     result = sweep([RIG], plan(scene, triangulators=("optimal", broken)))
-    assert result.rows["agreement"][0] == "agrees"
-    assert result.rows["agreement"][1].startswith("flagged: ")
-    assert not result.verdict.agrees
-    assert "1 of 2 rows is flagged" in " ".join(result.verdict.sentences)
+    assert result.rows["agreement"][0].kind == "agrees"
+    assert text(result.rows["agreement"][1]).startswith("flagged: ")
+    assert not result.agrees
+    assert "1 of 2 rows is flagged" in " ".join(verdict(result).sentences)
     assert result.best[0] == 0
 
 
@@ -98,7 +101,7 @@ def test_swapped_cameras_find_nothing(scene: str):
 
 def test_flipped_rows_are_flagged_by_position(scene: str):
     row = sweep([RIG], plan(scene, triangulators=(broken_y,))).rows.loc[0]
-    assert row["agreement"].startswith("flagged: simulated position error")
+    assert text(row["agreement"]).startswith("flagged: simulated position error")
     assert row["agreement_witness"] == "simulated"
     assert row["nees"] > 100
     assert row["point_rmse_mm"] > 3 * row["depth_rmse_mm"]
@@ -149,7 +152,7 @@ def test_resolution_behind_a_fixed_lens_is_one_axis(scene: str):
     grid = RigGrid(RIG, resolutions_px=((160, 120), (320, 240)))
     result = sweep(grid, plan(scene))
     assert result.swept == ("width_px",)
-    assert "lens is fixed" in " ".join(result.verdict.sentences)
+    assert "lens is fixed" in " ".join(verdict(result).sentences)
 
 
 def test_depth_rows_hold_their_own_points(scene: str):
@@ -168,8 +171,8 @@ def test_depth_rows_hold_their_own_points(scene: str):
 def test_no_noise_leaves_arithmetic_alone_and_tells_nothing_of_noise(scene: str):
     result = sweep([RIG], plan(scene, noises=(PixelNoise(0.0),)))
     row = result.rows.loc[0]
-    assert row["agreement"].startswith("untold: without noise there is no error to compare")
-    assert "In 1 of 1 row there is not enough to tell" in " ".join(result.verdict.sentences)
+    assert text(row["agreement"]).startswith("untold: without noise there is no error to compare")
+    assert "In 1 of 1 row there is not enough to tell" in " ".join(verdict(result).sentences)
     assert np.isnan(row["nees"])
     assert row["depth_rmse_mm"] < 1e-9 * row["depth_median_mm"]
     assert row["predicted_depth_rmse_mm"] == 0
@@ -183,22 +186,22 @@ def test_low_disparity_is_counted_and_kept_out(scene: str):
     far = result.by_depth[result.by_depth["depth_near_mm"] > 4243]
     assert (far["low_disparity_fraction"] == 1).all()
     assert far["depth_rmse_mm"].isna().all()
-    assert (far["agreement"] == "untold: every depth is below 4 of its standard deviations").all()
-    assert row["agreement"] == "agrees"
+    assert (spelled(far)["agreement"] == "untold: every depth is below 4 of its standard deviations").all()
+    assert row["agreement"].kind == "agrees"
     assert row["depth_median_mm"] < 4243
     # the sentence speaks of it
-    assert "under 4 of its own standard deviations" in " ".join(result.verdict.sentences)
+    assert "under 4 of its own standard deviations" in " ".join(verdict(result).sentences)
 
 
 def test_rigs_without_overlap_are_untold_among_others(scene: str):
     result = sweep(RigGrid(RIG, baselines_m=(0.2, 7.0, 40.0)), plan(scene))
-    agreement = result.rows["agreement"]
+    agreement = spelled(result.rows)["agreement"]
     assert agreement[0] == "agrees"
     assert agreement[1] == "untold: left and right share nothing"
     assert agreement[2].startswith("untold: ")
     assert "sees nothing" in agreement[2]  # its left camera stands 20 m aside
-    assert result.verdict.agrees
-    assert "In 2 of 3 rows there is not enough to tell" in " ".join(result.verdict.sentences)
+    assert result.agrees
+    assert "In 2 of 3 rows there is not enough to tell" in " ".join(verdict(result).sentences)
     assert list(result.rows["visible_fraction"][1:]) == [0, 0]
     assert result.limits[1:] == ("no result", "no result")
 
@@ -226,8 +229,8 @@ def test_headline_has_the_numbers_of_its_bin(scene: str):
     result = sweep([RIG], plan(scene))
     row = result.rows.loc[0]
     middle = result.by_depth[result.by_depth["depth_far_mm"] >= row["depth_median_mm"]].iloc[0]
-    assert f"{middle['depth_rmse_mm']:.3g} mm RMS" in result.verdict.headline
-    assert "200 mm of baseline" in result.verdict.headline
+    assert f"{middle['depth_rmse_mm']:.3g} mm RMS" in verdict(result).headline
+    assert "200 mm of baseline" in verdict(result).headline
 
 
 def test_interrupted_sweep_keeps_what_is_done(scene: str):
@@ -238,7 +241,7 @@ def test_interrupted_sweep_keeps_what_is_done(scene: str):
     result = sweep(RigGrid(RIG, baselines_m=(0.1, 0.2, 0.3)), plan(scene), progress=stop)
     assert not result.complete
     assert list(result.rows["baseline_mm"]) == [100, 200]
-    assert "interrupted" in result.verdict.sentences[0]
+    assert "interrupted" in verdict(result).sentences[0]
 
 
 @pytest.mark.parametrize("method", ["magic", "nowhere:f", "json:dumps"])

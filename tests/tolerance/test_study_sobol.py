@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import ndtri
 
+from rigsim.present.tolerance.words import interactions_sentence, recalibration_sentence
 from rigsim.rig.arrays import Array
 from rigsim.rig.presets import PRESETS
 from rigsim.study.tolerance.run import Build, Recalibration, ToleranceResult, run_tolerance
@@ -20,7 +21,6 @@ from rigsim.study.tolerance.sensitivities import (
     shared_points,
 )
 from rigsim.study.tolerance.sobol import SHIFTS, Indices, combine, estimate, interactions
-from rigsim.study.tolerance.words import interactions_sentence, recalibration_sentence
 from tests.helpers.sampling import close
 
 RIG = PRESETS["boards"].rig

@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from benchmarks.subjects import triangulators
 from benchmarks.subjects.triangulators import Calibration
+from rigsim.errors import TriangulatorError, TriangulatorReason
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
@@ -279,6 +280,30 @@ def test_an_error_speaks_for_itself_and_the_other_cases_are_diagnosed_too(cases:
     alone = diagnosed([case for case in cases if len(case) == 0], fragile)
     assert alone[0].mistake == "raises"
     assert "nothing to do" in alone[0].says
+
+
+@pytest.mark.parametrize(
+    ("words", "reason", "shape", "mistake"),
+    [
+        # words that a program's last words, or a name, may hold as well tell nothing
+        ("program 'tri' failed with exit code 1: AssertionError raised", "ended", (), "broken"),
+        ("program 'tri' failed with exit code 1: returned shape (3, 10)", "ended", (), "broken"),
+        ("triangulator 'mine:raised_floor' returned type object", "wrong-type", (), "wrong-type"),
+        ("triangulator 'returned type' says no", "raised", (), "raises"),
+        ("no good", "wrong-shape", (3, 10), "transposed-answer"),
+        ("no good", "wrong-shape", (10, 4), "homogeneous-answer"),
+    ],
+)
+def test_what_an_error_is_is_asked_of_its_reason(
+    words: str, reason: TriangulatorReason, shape: tuple[int, ...], mistake: str
+) -> None:
+    points = np.column_stack([np.zeros(10), np.zeros(10), np.linspace(1, 2, 10)])
+    case = Case("ten", "ten", "exact", "", RECTIFIED, *RECTIFIED.project(points), points)
+
+    def broken(*_: object) -> Array:
+        raise TriangulatorError(words, reason, shape)
+
+    assert diagnose([run_case(case, "one", broken, 1e-6)])[0].mistake == mistake
 
 
 RECTIFIED = StereoRig.rectified(

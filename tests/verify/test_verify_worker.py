@@ -140,27 +140,35 @@ def test_notes_are_those_of_the_last_call() -> None:
 
 
 @pytest.mark.parametrize(
-    ("function", "message"),
+    ("function", "reason", "message"),
     [
-        ("transposed", r"returned shape \(3, 20\): must be \(20, 3\)"),
-        ("few", r"returned shape \(5, 3\): must be \(20, 3\)"),
-        ("nothing", r"returned shape \(\): must be \(20, 3\)"),
-        ("ragged", r"returned a list that is no array .*: must be \(20, 3\)"),
-        ("words", r"returned type <U1: must be real numbers"),
-        ("holes", r"returned type object: must be real numbers"),
-        ("imaginary", r"returned type complex128: must be real numbers"),
-        ("raises", r"raised ValueError: no luck$"),
-        ("leaves", r"raised SystemExit: enough$"),
-        ("dies", r"ended its process with exit code 3: must return; its last words: the end$"),
-        ("crashes", r"ended its process with signal 11 \(SIGSEGV\): must return$"),
-        ("spins", r"took longer than 0.5 s: ended; make it faster, or allow more with --timeout$"),
+        ("transposed", "wrong-shape", r"returned shape \(3, 20\): must be \(20, 3\)"),
+        ("few", "wrong-shape", r"returned shape \(5, 3\): must be \(20, 3\)"),
+        ("nothing", "wrong-shape", r"returned shape \(\): must be \(20, 3\)"),
+        ("ragged", "no-array", r"returned a list that is no array .*: must be \(20, 3\)"),
+        ("words", "wrong-type", r"returned type <U1: must be real numbers"),
+        ("holes", "wrong-type", r"returned type object: must be real numbers"),
+        ("imaginary", "wrong-type", r"returned type complex128: must be real numbers"),
+        ("raises", "raised", r"raised ValueError: no luck$"),
+        ("leaves", "raised", r"raised SystemExit: enough$"),
+        ("dies", "ended", r"ended its process with exit code 3: must return; its last words: the end$"),
+        ("crashes", "ended", r"ended its process with signal 11 \(SIGSEGV\): must return$"),
+        (
+            "spins",
+            "timed-out",
+            r"took longer than 0.5 s: ended; make it faster, or allow more with --timeout$",
+        ),
     ],
 )
-def test_a_bad_call_is_one_line_and_the_next_one_works(function: str, message: str, folder: Path) -> None:
+def test_a_bad_call_is_one_line_and_the_next_one_works(
+    function: str, reason: str, message: str, folder: Path
+) -> None:
     with IsolatedTriangulator(f"theirs:{function}", 0.5) as theirs:
         for _ in range(2):
             with pytest.raises(TriangulatorError, match=message) as caught:
                 theirs(RIG, *PIXELS)
+            assert caught.value.reason == reason
+            assert caught.value.shape == {"transposed": (3, 20), "few": (5, 3)}.get(function, ())
             assert str(caught.value).isprintable()
             assert str(caught.value).startswith(f"triangulator 'theirs:{function}' ")
 

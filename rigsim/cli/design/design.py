@@ -203,13 +203,14 @@ def _deliver(
     force: bool,
     as_json: bool,
 ) -> None:
+    from rigsim.interop.documents.design import design_document
     from rigsim.interop.documents.text import json_text
-    from rigsim.interop.documents.written.design import design_document
     from rigsim.interop.files import folder
     from rigsim.interop.formats.rig_toml import write_rig
+    from rigsim.present.design.words import outcome
     from rigsim.study.design.proof import recommended
 
-    document = design_document(found, proofs, tolerance)
+    document = design_document(found, proofs, tolerance, outcome)
     command = shlex.join(["rigsim", *sys.argv[1:]])
     if target is not None:
         from rigsim.present.design.page import design_html

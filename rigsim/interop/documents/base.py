@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from pydantic import BaseModel, ConfigDict, Field
 
 from rigsim.interop.documents.text import clean
@@ -82,6 +84,21 @@ class Written(Part):
     """The folder, as --out names it."""
     files: list[str]
     """Names of the files written there, sorted."""
+
+
+def finite(value: float) -> float | None:
+    """A number; None for what is none or has no bound."""
+    return float(value) if math.isfinite(value) else None
+
+
+def plain_rig(rig: StereoRig) -> Rig:
+    """A rig's numbers, without a field of view."""
+    return Rig(
+        baseline_mm=rig.baseline_m * 1e3,
+        focal_px=rig.left.fx,
+        width_px=rig.left.width,
+        height_px=rig.left.height,
+    )
 
 
 def seen_rig(rig: StereoRig) -> SeenRig:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from pydantic import Field
 
 from rigsim.interop.documents.base import Part
+from rigsim.study.compare.judge import off_bound
 from rigsim.study.compare.run import COLUMNS, ComparisonResult
-from rigsim.study.compare.words import headline, off_bound, sentences
 
 
 class Versions(Part):
@@ -104,13 +105,13 @@ class CompareDocument(Part):
     provenance: Versions
 
 
-def compare_document(result: ComparisonResult) -> CompareDocument:
-    """The comparison as a document."""
+def compare_document(result: ComparisonResult, headline: str, sentences: Sequence[str]) -> CompareDocument:
+    """The comparison as a document; `headline` and `sentences` are its words."""
     good = ~off_bound(result)
     records = [{name: _plain(record[name]) for name in COLUMNS} for record in result.rows.to_dict("records")]
     return CompareDocument(
-        headline=headline(result),
-        sentences=list(sentences(result)),
+        headline=headline,
+        sentences=list(sentences),
         triangulators=list(result.triangulators),
         seed=result.plan.seed,
         rows=[

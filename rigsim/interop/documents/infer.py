@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Literal
+import math
+from collections.abc import Sequence
+from typing import Any, Literal
 
-from rigsim.interop.documents.base import Part, RemarkPart, Rig
+from rigsim.interop.documents.base import Part, RemarkPart, Rig, finite, plain_rig
+from rigsim.rig.remark import Remark
+from rigsim.study.infer.run import CONFIDENCE, Inference
+from rigsim.study.infer.run import Transfer as CarriedOver
 
 
 class Fit(Part):
@@ -117,3 +122,90 @@ class InferDocument(Part):
     """Null without --to."""
     remarks: list[RemarkPart]
     """What is odd about it; also on standard error."""
+
+
+def inference_document(
+    inference: Inference, says: str, carried: CarriedOver | None = None, remarks: Sequence[Remark] = ()
+) -> dict[str, Any]:
+    """The document that ``rigsim infer --json`` prints; docs/reference/infer.md describes it.
+
+    Args:
+        inference: the noise inferred.
+        says: its verdict in a sentence.
+        carried: the noise carried over to another rig.
+        remarks: what is odd about it.
+    """
+    errors, sigma = inference.errors, inference.disparity_std_px
+    return InferDocument(
+        disparity_std_px=sigma,
+        disparity_std_ci_low_px=finite(inference.low_px),
+        disparity_std_ci_high_px=finite(inference.high_px),
+        confidence_level=CONFIDENCE,
+        interval_from=inference.interval_from,
+        noise_px=sigma / math.sqrt(2),
+        verdict=inference.verdict,
+        says=says,
+        fit=_fit(inference),
+        bias=_bias(inference),
+        rig=plain_rig(inference.rig),
+        rows=[
+            Distance(
+                distance_mm=float(depth) * 1e3,
+                depth_std_mm=float(std) * 1e3,
+                explained_depth_std_mm=float(sigma * gain) * 1e3,
+                disparity_std_px=float(std / gain),
+            )
+            for depth, std, gain in zip(errors.depths_m, errors.stds_m, inference.gains_m_per_px, strict=True)
+        ],
+        transfer=None if carried is None else _transfer(carried),
+        remarks=[RemarkPart(code=remark.code, text=remark.text) for remark in remarks],
+    ).model_dump()
+
+
+def _fit(inference: Inference) -> Fit | None:
+    fit = inference.fit
+    if fit is None:
+        return None
+    return Fit(
+        best=fit.best,
+        exponent=fit.exponent,
+        exponent_ci_low=fit.exponent_low,
+        exponent_ci_high=fit.exponent_high,
+        quadratic_misfit_pct=100 * fit.misfit["quadratic"],
+        linear_misfit_pct=100 * fit.misfit["linear"],
+        constant_misfit_pct=100 * fit.misfit["constant"],
+    )
+
+
+def _bias(inference: Inference) -> Bias | None:
+    bias = inference.bias
+    if bias is None:
+        return None
+    return Bias(
+        disparity_offset_px=bias.disparity_offset_px,
+        disparity_offset_se_px=finite(bias.disparity_offset_se_px),
+        disparity_offset_ci_low_px=finite(bias.offset_interval_px[0]),
+        disparity_offset_ci_high_px=finite(bias.offset_interval_px[1]),
+        scale_pct=finite(100 * bias.scale),
+        scale_se_pct=finite(100 * bias.scale_se),
+        scale_ci_low_pct=finite(100 * bias.scale_interval[0]),
+        scale_ci_high_pct=finite(100 * bias.scale_interval[1]),
+        left_rms_mm=bias.left_rms_m * 1e3,
+        share_of_mean_square_pct=100 * bias.share,
+    )
+
+
+def _transfer(carried: CarriedOver) -> Transfer:
+    return Transfer(
+        rig=plain_rig(carried.rig),
+        rows=[
+            Carried(
+                distance_mm=float(carried.depths_m[i]) * 1e3,
+                depth_std_mm=float(carried.stds_m[i]) * 1e3,
+                depth_std_ci_low_mm=finite(float(carried.lows_m[i]) * 1e3),
+                depth_std_ci_high_mm=finite(float(carried.highs_m[i]) * 1e3),
+                trusted=bool(carried.trusted[i]),
+            )
+            for i in range(len(carried.depths_m))
+        ],
+    )

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Protocol
+
+import pandas as pd
 
 from rigsim.interop.documents.base import Part, Provenance, RemarkPart, Written
 from rigsim.interop.documents.rows import row_model
+from rigsim.study.agreement.fault import Fault
 from rigsim.study.scene import columns
 from rigsim.study.sweep.comparison import compare
 from rigsim.study.sweep.result import SweepResult
-from rigsim.study.sweep.symptoms import Fault
 
 
 class SweepProvenance(Provenance):
@@ -135,55 +137,87 @@ class SweepDocument(Part):
     """The report; null without --out."""
 
 
-def sweep_document(result: SweepResult, written: Written | None) -> dict[str, Any]:
+class Told(Protocol):
+    """The answer in words."""
+
+    @property
+    def headline(self) -> str:
+        """The answer in one sentence."""
+
+    @property
+    def sentences(self) -> Sequence[str]:
+        """What else must be known, a sentence each."""
+
+
+class Words(Protocol):
+    """The sentences of the document, made by whoever calls: `rigsim.present.sweep.words` has them all."""
+
+    def verdict(self, result: SweepResult) -> Told:
+        """The answer."""
+
+    def lens(self, result: SweepResult) -> str:
+        """What stayed and what changed between resolutions; empty when there was but one."""
+
+    def fault(self, fault: Fault) -> str:
+        """What is off in a row."""
+
+    def spelled(self, table: pd.DataFrame) -> pd.DataFrame:
+        """A table with its agreements as words."""
+
+
+def sweep_document(result: SweepResult, words: Words, written: Written | None) -> dict[str, Any]:
     """The whole sweep; `written` is its report, None when none was asked for."""
-    provenance = dict(result.provenance)
+    provenance, told = dict(result.provenance), words.verdict(result)
+    command = str(provenance.pop("command", ""))
     faults = result.faults or (None,) * len(result.rows)
-    document = SweepDocument.model_validate(
-        {
-            "command": provenance.pop("command", ""),
-            "verdict": {
-                "headline": _said(result.verdict.headline),
-                "sentences": [_said(sentence) for sentence in result.verdict.sentences],
-                "agrees": result.verdict.agrees,
-            },
-            "complete": result.complete,
-            "swept": list(result.swept),
-            "best": list(result.best),
-            "compared": _compared(result),
-            "far_limit_mm": result.far_limit_m * 1e3 if math.isfinite(result.far_limit_m) else None,
-            "lens_note": _said(result.lens_note) or None,
-            "rows": [
-                {**row, "limited_by": limit, "diagnosis": _diagnosis(fault)}
-                for row, limit, fault in zip(
-                    result.rows.to_dict("records"), result.limits, faults, strict=True
-                )
-            ],
-            "by_depth": result.by_depth.to_dict("records"),
-            "remarks": [asdict(remark) for remark in result.remarks],
-            "provenance": provenance,
-            "written": written,
-        }
-    )
-    return document.model_dump()
+    rows, by_depth = (words.spelled(table).to_dict("records") for table in (result.rows, result.by_depth))
+    return SweepDocument(
+        command=command,
+        verdict=Verdict(
+            headline=_said(told.headline),
+            sentences=[_said(sentence) for sentence in told.sentences],
+            agrees=result.agrees,
+        ),
+        complete=result.complete,
+        swept=list(result.swept),
+        best=list(result.best),
+        compared=_compared(result),
+        far_limit_mm=result.far_limit_m * 1e3 if math.isfinite(result.far_limit_m) else None,
+        lens_note=_said(words.lens(result)) or None,
+        rows=[
+            OverallRow.model_validate({**row, "limited_by": limit, "diagnosis": _diagnosis(fault, words)})
+            for row, limit, fault in zip(rows, result.limits, faults, strict=True)
+        ],
+        by_depth=[DepthRow.model_validate(row) for row in by_depth],
+        remarks=[RemarkPart(code=one.code, text=one.text) for one in result.remarks],
+        provenance=SweepProvenance.model_validate(provenance),
+        written=written,
+    ).model_dump()
 
 
-def _compared(result: SweepResult) -> dict[str, Any] | None:
+def _compared(result: SweepResult) -> Compared | None:
     found = compare(result.rows, result.by_depth)
     if not found.spans_mm:
         return None
-    return {
-        "spans": [{"near_mm": near, "far_mm": far} for near, far in found.spans_mm],
-        "depth_rmse_mm": found.simulated_mm.tolist(),
-        "predicted_depth_rmse_mm": found.predicted_mm.tolist(),
-    }
+    return Compared(
+        spans=[Span(near_mm=near, far_mm=far) for near, far in found.spans_mm],
+        depth_rmse_mm=found.simulated_mm.tolist(),
+        predicted_depth_rmse_mm=found.predicted_mm.tolist(),
+    )
 
 
-def _diagnosis(fault: Fault | None) -> dict[str, Any] | None:
+def _diagnosis(fault: Fault | None, words: Words) -> Diagnosis | None:
     if fault is None:
         return None
-    values = asdict(fault)
-    return {"mistake": values.pop("name"), **values, "also": list(fault.also)}
+    return Diagnosis(
+        mistake=fault.name,
+        says=words.fault(fault),
+        amount=fault.amount,
+        amount_se=fault.amount_se,
+        unit=fault.unit,
+        explained=fault.explained,
+        also=list(fault.also),
+    )
 
 
 def _said(text: str) -> str:

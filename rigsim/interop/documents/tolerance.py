@@ -2,11 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal, Protocol
 
 from pydantic import Field
 
-from rigsim.interop.documents.base import Part, Rig
+from rigsim.interop.documents.base import Part, Rig, finite, plain_rig
+from rigsim.study.tolerance.built import percentile_mm
+from rigsim.study.tolerance.run import DepthErrors, Rigs, ToleranceResult
+from rigsim.study.tolerance.table import quantity_head, quantity_rest
+
+
+class Words(Protocol):
+    """The sentences of the document, made by whoever calls: `rigsim.present.tolerance.words` has them."""
+
+    def interactions_sentence(self, result: ToleranceResult) -> str:
+        """Whether quantities act on one another; empty where that was not asked."""
+
+    def recalibration_sentence(self, result: ToleranceResult) -> str:
+        """What the recalibration has to work with; empty without one."""
 
 
 class Required(Part):
@@ -177,3 +190,106 @@ class ToleranceDocument(Part):
     """Null without recalibration."""
     depths: list[Depth]
     """Near to far."""
+
+
+def tolerance_document(result: ToleranceResult, words: Words) -> dict[str, Any]:
+    """The study with stable keys and units in their names; null where a number has no bound."""
+    both = result.interactions
+    return ToleranceDocument(
+        rig=plain_rig(result.rig),
+        required=required_part(result),
+        noise_px=result.noise_px,
+        rigs=result.n_rigs,
+        points=result.n_points,
+        yields=Yield(
+            as_built=result.yield_before,
+            recalibrated=result.yield_after,
+            recalibrated_informed=result.yield_informed,
+        ),
+        yield_build_alone=YieldAlone(
+            as_built=_share(result.judged.built),
+            recalibrated=_share_if(result.judged.recalibrated),
+            recalibrated_informed=_share_if(result.judged.informed),
+        ),
+        quantities=quantities_part(result),
+        interactions=Interactions(
+            noticed=[] if both is None else [both.keys[place] for place in both.error.noticed],
+            says=words.interactions_sentence(result),
+        ),
+        recalibration=_recalibration(result, words),
+        depths=[_depth(item) for item in result.depths],
+    ).model_dump(by_alias=True)
+
+
+def required_part(result: ToleranceResult) -> Required:
+    """What one rig may err."""
+    asked = result.required
+    return Required(
+        depth_error_mm=asked.error_m * 1e3,
+        distance_mm=asked.depth_m * 1e3,
+        statistic="p95" if asked.p95 else "rms",
+    )
+
+
+def quantities_part(result: ToleranceResult) -> list[Quantity]:
+    """Every quantity, the worst first."""
+    return [
+        Quantity(
+            **quantity_head(result, item),
+            depth_error_mm=list(item.depth_rms_mm),
+            **quantity_rest(result, item),
+            needed_alone=finite(item.needed_alone),
+            needed_equal_share=finite(item.needed_equal_share),
+        )
+        for item in result.sensitivities
+    ]
+
+
+def _recalibration(result: ToleranceResult, words: Words) -> Recalibration | None:
+    session, length_m = result.recalibration, result.known_length_m
+    if session is None or length_m is None:
+        return None
+    return Recalibration(
+        features=session.features,
+        pictures=session.pictures,
+        noise_px=session.noise_px,
+        averaged_noise_px=session.averaged_px,
+        known_length_mm=length_m * 1e3,
+        length_std_mm=session.length_std_mm,
+        says=words.recalibration_sentence(result),
+    )
+
+
+def _share(rigs: Rigs) -> float:
+    """Of the rigs whose build alone is good."""
+    return float(rigs.good_alone.mean())
+
+
+def _share_if(rigs: Rigs | None) -> float | None:
+    return None if rigs is None else _share(rigs)
+
+
+def _depth(item: DepthErrors) -> Depth:
+    spread: dict[str, float | None] = {}
+    for name, rigs in (
+        ("per_rig", item.built),
+        ("recalibrated", item.recalibrated),
+        ("informed", item.informed),
+    ):
+        for head, errors in (
+            (name, None if rigs is None else rigs.build_mm),
+            (f"{name}_with_noise", None if rigs is None else rigs.whole_mm),
+        ):
+            for level in (50, 95):
+                spread[f"{head}_p{level}_mm"] = (
+                    None if errors is None else finite(percentile_mm(errors, level))
+                )
+    return Depth(
+        distance_mm=item.depth_m * 1e3,
+        noise_mm=item.noise_mm,
+        first_order_rms_mm=item.first_order_mm,
+        simulated_rms_mm=finite(item.rms_mm),
+        first_over_simulated=item.first_over_simulated,
+        flagged=item.parts,
+        **spread,
+    )

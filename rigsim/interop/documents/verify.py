@@ -2,13 +2,30 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal, cast
 
 from pydantic import Field
 
-from rigsim.interop.documents.base import Part, Versions
+from rigsim.interop.documents.base import Part, Versions, finite
+from rigsim.rig.arrays import Array
 from rigsim.study.verify.case import Kind
-from rigsim.study.verify.result import Status
+from rigsim.study.verify.golden import VERDICTS, GoldenReport
+from rigsim.study.verify.result import (
+    CaseResult,
+    Check,
+    CheckName,
+    CheckUnit,
+    Status,
+    TriangulatorResult,
+    VerifyResult,
+)
+from rigsim.study.verify.runner import FALSE_ALARM
+from rigsim.study.verify.worst import WorstRow, worst_rows
+
+_STATUSES: tuple[Status, ...] = ("passed", "inefficient", "failed", "error", "not applicable")
+
+
+Suite = Literal["quick", "full"]
 
 
 class MadeBy(Versions):
@@ -49,7 +66,7 @@ class Diagnosed(Part):
 class Checked(Part):
     """One number and the interval it must lie in."""
 
-    check: Literal["answered", "nowhere", "exact", "size", "depth", "unbiased", "efficient", "shape"]
+    check: CheckName
     """Which number; docs/reference/verify.md defines them."""
     ok: bool
     """Whether it lies in the interval."""
@@ -59,7 +76,7 @@ class Checked(Part):
     """Least that passes; null when nothing is too little."""
     high: float | None
     """Most that passes; null when nothing is too much."""
-    unit: Literal["m", "rows", "sigma", ""]
+    unit: CheckUnit
     """Unit of the three; empty for ratios."""
     only_strict: bool
     """Whether it matters with --strict only."""
@@ -198,7 +215,7 @@ class VerifyDocument(Part):
     """The verdict: exit code 0, or 3 when it is false."""
     strict: bool
     """Whether inefficient cases failed, too."""
-    suite: Literal["quick", "full"]
+    suite: Suite
     """Which suite the cases are of."""
     seed: int
     """Seed of every random number."""
@@ -211,3 +228,116 @@ class VerifyDocument(Part):
     golden: Golden | None
     """Null without --golden and --update."""
     provenance: MadeBy
+
+
+def verify_document(
+    result: VerifyResult, strict: bool = False, golden: GoldenReport | None = None
+) -> dict[str, Any]:
+    """The verification with stable keys and units in their names; null where there is no number.
+
+    Args:
+        result: the verification.
+        strict: whether efficiency counts.
+        golden: how it compares with golden results; None when it was not asked.
+    """
+    return VerifyDocument(
+        passed=result.passed(strict) and (golden is None or golden.passed),
+        strict=strict,
+        suite=cast("Suite", result.suite),
+        seed=result.seed,
+        false_alarm=FALSE_ALARM,
+        triangulators=[_triangulator(one, strict) for one in result.triangulators],
+        left_out=list(result.left_out),
+        golden=None if golden is None else _golden(golden),
+        provenance=MadeBy.model_validate(dict(result.provenance)),
+    ).model_dump()
+
+
+def _golden(golden: GoldenReport) -> Golden:
+    comparison = golden.comparison
+    return Golden(
+        folder=golden.folder,
+        passed=golden.passed,
+        counts=GoldenCounts(**{name.replace(" ", "_"): comparison.count(name) for name in VERDICTS}),
+        moves=[
+            Moved(
+                record=move.record,
+                number=move.number,
+                unit=move.unit,
+                before=finite(move.before),
+                now=finite(move.now),
+                bound=finite(move.bound),
+                verdict=move.verdict,
+            )
+            for move in comparison.moves
+            if move.verdict != "same"
+        ],
+        remarks=list(comparison.remarks),
+        troubles=list(golden.troubles),
+    )
+
+
+def _triangulator(result: TriangulatorResult, strict: bool) -> TriangulatorDone:
+    status = [case.status(strict) for case in result.results]
+    return TriangulatorDone(
+        triangulator=result.triangulator,
+        passed=result.passed(strict),
+        counts=Counts(**{name.replace(" ", "_"): status.count(name) for name in _STATUSES}),
+        seconds=sum(case.seconds for case in result.results),
+        diagnoses=[
+            Diagnosed(
+                mistake=one.mistake, says=one.says, explained=finite(one.explained), cases=list(one.cases)
+            )
+            for one in result.diagnoses
+        ],
+        cases=[_case(case, strict) for case in result.results],
+    )
+
+
+def _case(result: CaseResult, strict: bool) -> CaseDone:
+    case, status = result.case, result.status(strict)
+    return CaseDone(
+        case=case.name,
+        group=case.group,
+        kind=case.kind,
+        about=case.about,
+        rows=len(case),
+        status=status,
+        error=result.error or None,
+        not_applicable=result.not_applicable or None,
+        seconds=result.seconds,
+        efficiency=finite(result.efficiency),
+        depth_rms_mm=finite(result.depth_rms_m * 1e3),
+        predicted_depth_rms_mm=finite(result.predicted_depth_rms_m * 1e3),
+        notes=list(result.notes),
+        checks=[_check(check) for check in result.checks],
+        worst_rows=[_row(row) for row in worst_rows(result)] if status == "failed" else [],
+    )
+
+
+def _check(check: Check) -> Checked:
+    return Checked(
+        check=check.name,
+        ok=check.ok,
+        value=finite(check.value),
+        low=finite(check.low),
+        high=finite(check.high),
+        unit=check.unit,
+        only_strict=check.only_strict,
+        why=check.why,
+    )
+
+
+def _row(row: WorstRow) -> Worst:
+    return Worst(
+        row=row.row,
+        uv_left_px=cast("Pair", _numbers(row.uv_left)),
+        uv_right_px=cast("Pair", _numbers(row.uv_right)),
+        expected_m=cast("Triple", _numbers(row.expected_left)),
+        found_m=cast("Triple", _numbers(row.found_left)),
+        distance_m=finite(row.distance_m),
+    )
+
+
+def _numbers(values: Array) -> tuple[float | None, ...]:
+    return tuple(finite(float(value)) for value in values)

@@ -68,7 +68,8 @@ class ExecTriangulator:
                 return parse_points(_read(folder / POINTS, len(uv_left)), len(uv_left))
             except TriangulatorError as error:
                 where = f" (kept in {self.folder})" if self.folder else ""
-                raise type(error)(f"program {self.name!r}: {error}{where}") from None
+                said = f"program {self.name!r}: {error}{where}"
+                raise type(error)(said, error.reason, error.shape) from None
 
     @contextlib.contextmanager
     def _new_folder(self) -> Iterator[Path]:
@@ -92,7 +93,9 @@ class ExecTriangulator:
                 code = programs.wait(process, self.timeout_s)
             except OSError as error:
                 reason = error.strerror or error
-                raise TriangulatorError(f"cannot be started ({reason}); name its interpreter first") from None
+                raise TriangulatorError(
+                    f"cannot be started ({reason}); name its interpreter first", "unloadable"
+                ) from None
             except subprocess.TimeoutExpired:
                 raise TriangulatorTimeout(
                     f"took longer than {self.timeout_s:g} s: ended; make it faster, or allow more with"
@@ -102,7 +105,7 @@ class ExecTriangulator:
             if code != 0:
                 words = programs.last_words(complained) or programs.last_words(said)
                 raise TriangulatorError(
-                    f"failed with {programs.how_it_ended(code)}" + (f": {words}" if words else "")
+                    f"failed with {programs.how_it_ended(code)}" + (f": {words}" if words else ""), "ended"
                 )
             remark = programs.remark(complained)
         self.seconds = seconds
@@ -114,16 +117,18 @@ def _words(command: str) -> list[str]:
     try:
         words = shlex.split(command)
     except ValueError as error:
-        raise TriangulatorError(f"program {command!r}: {error}; quote it as for a shell") from None
+        raise TriangulatorError(f"program {command!r}: {error}; quote it as for a shell", "unknown") from None
     if not words:
-        raise TriangulatorError(f"program {command!r}: must name a program, as in './triangulate --fast'")
+        raise TriangulatorError(
+            f"program {command!r}: must name a program, as in './triangulate --fast'", "unknown"
+        )
     if shutil.which(words[0]) is None:
         if os.path.exists(words[0]):
             raise TriangulatorError(
-                f"program {command!r}: {words[0]} is not executable; name its interpreter first"
+                f"program {command!r}: {words[0]} is not executable; name its interpreter first", "unloadable"
             )
         way_out = "check its path" if "/" in words[0] else f"install it, or give its path, as ./{words[0]}"
-        raise TriangulatorError(f"program {command!r}: {words[0]} is not there; {way_out}")
+        raise TriangulatorError(f"program {command!r}: {words[0]} is not there; {way_out}", "unknown")
     return words
 
 
@@ -150,13 +155,19 @@ def _write(path: Path, text: str) -> None:
 
 def _read(path: Path, count: int) -> bytes:
     if path.is_symlink() or not path.is_file():  # a link may lead to what is not the program's
-        raise TriangulatorError(f"ended well, but left no {POINTS} in the folder that is its last argument")
+        raise TriangulatorError(
+            f"ended well, but left no {POINTS} in the folder that is its last argument", "wrong-file"
+        )
     bound = _ROW_BYTES * (count + 2)
     try:
         with path.open("rb") as file:
             content = file.read(bound + 1)
     except OSError as error:
-        raise TriangulatorError(f"{POINTS} cannot be read ({error.strerror or error})") from None
+        raise TriangulatorError(
+            f"{POINTS} cannot be read ({error.strerror or error})", "wrong-file"
+        ) from None
     if len(content) > bound:
-        raise TriangulatorError(f"{POINTS} is larger than {bound} bytes: must hold {count} rows")
+        raise TriangulatorError(
+            f"{POINTS} is larger than {bound} bytes: must hold {count} rows", "wrong-file"
+        )
     return content

@@ -67,12 +67,15 @@ def parse_points(content: bytes, count: int) -> Array:
     text = content.decode("utf-8-sig", errors="replace").replace("\r\n", "\n")
     lines = text.split("\n")
     if not text.strip():
-        raise TriangulatorError(f"{POINTS} is empty: must hold {_FOUND} and a row for each of {count} ids")
+        raise TriangulatorError(
+            f"{POINTS} is empty: must hold {_FOUND} and a row for each of {count} ids", "wrong-file"
+        )
     _check_header(lines[0])
     if lines[-1]:
         raise TriangulatorError(
             f"{POINTS} stops within line {len(lines)}, {_shown(lines[-1])}: every line must end in a newline;"
-            " was it written to the end?"
+            " was it written to the end?",
+            "wrong-file",
         )
     rows = [row for row in enumerate(lines[1:], start=2) if row[1] and not row[1].isspace()]
     values = _values(rows)
@@ -109,9 +112,12 @@ def _check_header(line: str) -> None:
     for unit, many in _IN_A_METRE.items():
         if names[1:] == [f"{axis}_{unit}" for axis in "xyz"]:
             raise TriangulatorError(
-                f"{POINTS} is in {unit}, {_shown(line)}: must be in metres, {_FOUND}; divide by {many}"
+                f"{POINTS} is in {unit}, {_shown(line)}: must be in metres, {_FOUND}; divide by {many}",
+                "wrong-file",
             )
-    raise TriangulatorError(f"{POINTS} begins with {_shown(line)}: its first line must be {_FOUND}")
+    raise TriangulatorError(
+        f"{POINTS} begins with {_shown(line)}: its first line must be {_FOUND}", "wrong-file"
+    )
 
 
 def _values(rows: Sequence[_Row]) -> Array:
@@ -134,7 +140,8 @@ def _row(number: int, line: str) -> list[float]:
     names = _FOUND.split(",")
     if len(cells) != len(names):
         raise TriangulatorError(
-            f"{POINTS}, line {number}, {_shown(line)}: has {len(cells)} numbers, must have 4, {_FOUND}"
+            f"{POINTS}, line {number}, {_shown(line)}: has {len(cells)} numbers, must have 4, {_FOUND}",
+            "wrong-file",
         )
     values = []
     for name, cell in zip(names, cells, strict=True):
@@ -144,7 +151,8 @@ def _row(number: int, line: str) -> list[float]:
         except ValueError:
             raise TriangulatorError(
                 f"{POINTS}, line {number}: {name} is {_shown(cell)}, must be a number"
-                + ("" if name == "id" else ", or nan where there is no answer")
+                + ("" if name == "id" else ", or nan where there is no answer"),
+                "wrong-file",
             ) from None
     return values
 
@@ -158,18 +166,20 @@ def _ids(rows: Sequence[_Row], ids: Array, count: int) -> np.ndarray[tuple[int],
         asked = f"0 to {count - 1}" if count else "none"
         raise TriangulatorError(
             f"{POINTS}, line {number}: id {_shown(line.split(',')[0])} was not asked for; those of"
-            f" {OBSERVATIONS} are {asked}"
+            f" {OBSERVATIONS} are {asked}",
+            "wrong-file",
         )
     whose = ids.astype(np.intp)
     times = np.bincount(whose, minlength=count)
     if (times > 1).any():
         raise TriangulatorError(
-            f"{POINTS} has more than one row of id {_some(times > 1)}: must have one each"
+            f"{POINTS} has more than one row of id {_some(times > 1)}: must have one each", "wrong-file"
         )
     if (times == 0).any():
         raise TriangulatorError(
             f"{POINTS} has {len(whose)} rows: must be {count}, nan where there is no answer; id"
-            f" {_some(times == 0)} missing"
+            f" {_some(times == 0)} missing",
+            "wrong-file",
         )
     return whose
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import numpy.typing as npt
@@ -45,11 +45,11 @@ def npy_bytes(values: npt.NDArray[np.generic]) -> bytes:
     return buffer.getvalue()
 
 
-def sweep_files(result: SweepResult) -> dict[str, bytes]:
-    """The files of a sweep that programs read."""
+def sweep_files(result: SweepResult, spelled: Callable[[pd.DataFrame], pd.DataFrame]) -> dict[str, bytes]:
+    """The files of a sweep that programs read; `spelled` writes the agreements of a table as words."""
     return {
-        "sweep.csv": csv_bytes(result.rows),
-        "sweep_by_depth.csv": csv_bytes(result.by_depth),
+        "sweep.csv": csv_bytes(spelled(result.rows)),
+        "sweep_by_depth.csv": csv_bytes(spelled(result.by_depth)),
         "rig.toml": write_rig(
             result.showcase.rig, comment="best rig of the sweep", sensor=result.showcase.sensor
         ).encode(),

@@ -7,10 +7,10 @@ from typing import Any
 
 from rich.console import Console
 
+from rigsim.present.compare.words import headline, sentences
 from rigsim.present.kit.console import make_console, paragraph, print_table, say
 from rigsim.present.kit.format import MISSING, count, number, percent, plain, ratio
 from rigsim.study.compare.run import ComparisonResult
-from rigsim.study.compare.words import headline, sentences
 
 HEADS = (
     "geometry",

@@ -7,11 +7,12 @@ from matplotlib.figure import Figure
 
 from rigsim.present.compare.console import HEADS, NUMERIC, shown_noise_px, table_rows
 from rigsim.present.compare.figure import comparison_figure, figure_pdf, figure_png
+from rigsim.present.compare.words import headline, listed, sentences
 from rigsim.present.kit import style
 from rigsim.present.kit.format import count, plain
 from rigsim.present.kit.page import fill, flat
+from rigsim.study.compare.judge import off_bound
 from rigsim.study.compare.run import SPEED_RUNS, ComparisonResult
-from rigsim.study.compare.words import headline, listed, off_bound, sentences
 
 
 def comparison_files(result: ComparisonResult) -> dict[str, bytes]:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rigsim.present.design.words import outcome
 from rigsim.present.kit.console import make_console, print_table
 from rigsim.present.kit.format import MISSING, number
 from rigsim.study.design import words as words
@@ -43,9 +44,8 @@ def sentences(design: Design, proofs: Sequence[Proof]) -> tuple[str, ...]:
         said.append("Not verified: formulas only, no proof was asked for.")
     for proof in proofs:
         rig = f"{words.size(proof.candidate.baseline_m, 4)}, {words.camera(proof.candidate.camera)}"
-        said.append(
-            f"{proof.why[:1].upper()}{proof.why[1:]}." if proof.candidate == pick else f"{rig}: {proof.why}."
-        )
+        how = outcome(proof)
+        said.append(f"{how[:1].upper()}{how[1:]}." if proof.candidate == pick else f"{rig}: {how}.")
     spec = design.specification
     own = next((p for p in proofs if p.candidate == pick), None)
     if own is not None and own.method == "corners" and spec.noise_source != "measured":

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+from rigsim.present.infer.words import sentence
 from rigsim.present.kit.console import make_console, paragraph, print_table
 from rigsim.present.kit.format import length, number
 from rigsim.study.infer.bias import BiasPart
 from rigsim.study.infer.run import Inference, Transfer
-from rigsim.study.infer.words import sentence
 
 
 def print_inference(

@@ -10,7 +10,8 @@ from rich.console import Console
 
 from rigsim.present.kit.console import column_widths, make_console, paragraph, print_table, say, total_width
 from rigsim.present.kit.format import count, number, percent, ratio
-from rigsim.study.agreement.agreement import kind_of, reason_of
+from rigsim.study.agreement.agreement import flagged as flagged_rows
+from rigsim.study.agreement.agreement import kinds
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -32,16 +33,17 @@ def print_sweep(result: SweepResult, folder: Path | None = None, *, console: Con
         folder: where its report.html is; nothing is said about it when None.
         console: where to; standard output by default.
     """
-    from rigsim.present.sweep.measured_words import equivalent_noise_words
     from rigsim.present.sweep.plots.axes import swept_axes
     from rigsim.present.sweep.same import at_same_distances, same_words
+    from rigsim.present.sweep.words import verdict
 
     console = console or make_console()
     axes = swept_axes(result)
     rows = result.rows
     places = list(result.best[:_MOST_BEST]) or list(range(min(len(rows), _MOST_BEST)))
-    paragraph(console, result.verdict.headline, style="bold")
-    for sentence in result.verdict.sentences:
+    said = verdict(result)
+    paragraph(console, said.headline, style="bold")
+    for sentence in said.sentences:
         paragraph(console, sentence, "  ")
     console.print()
 
@@ -67,10 +69,6 @@ def print_sweep(result: SweepResult, folder: Path | None = None, *, console: Con
         words = f"Simulated and predicted: {same} of the left image, the same for all rows."
         paragraph(console, words if len(rows) > 1 else f"Simulated and predicted: {same} of the left image.")
         console.print()
-    noise = equivalent_noise_words(rows.iloc[places[0]])
-    if noise and not any("--noise" in sentence for sentence in result.verdict.sentences):
-        paragraph(console, noise)
-        console.print()
     _print_flags(result, console, axes)
     if folder is not None:
         say(console, f"Report: {folder / 'report.html'}", "bold")
@@ -93,7 +91,7 @@ def _sweep_columns(
         )
         for axis in axes
     ]
-    agreement = tuple(map(kind_of, best["agreement"]))
+    agreement = tuple(kinds(best))
     return [
         *columns,
         _Column("simulated\nRMS, mm", tuple(map(number, best["depth_rmse_mm"])), True, 9),
@@ -131,15 +129,17 @@ def _fitting(columns: list[_Column], width: int) -> list[_Column]:
 
 
 def _print_flags(result: SweepResult, console: Console, axes: list[Axis]) -> None:
+    from rigsim.present.kit.agreement import reason
+
     rows = result.rows
-    flagged = rows[rows["agreement"].map(kind_of) == "flagged"]
+    flagged = rows[flagged_rows(rows)]
     if not len(flagged):
         return
     say(console, f"Flagged: {count(len(flagged))} of {count(len(rows))}", "bold yellow")
     for record in flagged.head(_MOST_REASONS).to_dict("records"):
         row: dict[Any, Any] = record
         where = ", ".join(f"{axis.heading} {axis.say(row[axis.column])}" for axis in axes)
-        why = reason_of(str(row["agreement"]))
+        why = reason(row["agreement"])
         paragraph(console, f"{where}: {why}" if where else why, "  ")
     if len(flagged) > _MOST_REASONS:
         say(console, f"  and {count(len(flagged) - _MOST_REASONS)} more, listed in the report")

@@ -1,4 +1,4 @@
-"""The third witness in the tables: what was measured, which noise it corresponds to, and who is flagged."""
+"""The third witness in the tables: what was measured, and which noise it corresponds to."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ import numpy as np
 import pandas as pd
 
 from rigsim.present.kit.format import count, number
-from rigsim.rig.arrays import Array, Mask
-from rigsim.study.agreement.agreement import kind_of
+from rigsim.rig.arrays import Array
 
 METHODS: dict[str, str] = {
     "corners": "board corners",
@@ -57,9 +56,3 @@ def found_words(row: Mapping[Any, Any]) -> str:
     if not n > 0:
         return "none found"
     return count(n) + (f", {number(100 * share, 2)} % outliers" if share > 0 else ", no outliers")
-
-
-def blamed(part: pd.DataFrame, witness: str) -> Mask:
-    """Whether a witness, "simulated" or "measured", is flagged in each row (N,)."""
-    flagged = part["agreement"].map(kind_of) == "flagged"
-    return np.asarray(flagged & (part["agreement_witness"] == witness), dtype=bool)

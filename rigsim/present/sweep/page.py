@@ -17,9 +17,10 @@ from rigsim.present.sweep.plots.axes import Axis, best_row, swept_axes
 from rigsim.present.sweep.rig_table import rig_table
 from rigsim.present.sweep.same import same_words
 from rigsim.present.sweep.witness_table import witness_table
-from rigsim.study.agreement.agreement import kind_of
+from rigsim.present.sweep.words import growth_words, verdict
+from rigsim.study.agreement.agreement import flagged
 from rigsim.study.sweep.comparison import row_of_bins
-from rigsim.study.sweep.growth import growth_words
+from rigsim.study.sweep.growth import growth_of
 from rigsim.study.sweep.result import SweepResult
 
 
@@ -57,6 +58,7 @@ def report_html(result: SweepResult, plan: Figure | None = None) -> str:
         "report.html",
         title=_title(result, axes),
         result=result,
+        verdict=verdict(result),
         witnesses=witness_table(result),
         equivalent_noise=equivalent_noise_words(best),
         rig=rig_table(result),
@@ -73,7 +75,7 @@ def report_html(result: SweepResult, plan: Figure | None = None) -> str:
         rows=tables.all_rows(result),
         same=same_words(result),
         growth=_growth_words(result),
-        n_flagged=int((result.rows["agreement"].map(kind_of) == "flagged").sum()),
+        n_flagged=int(flagged(result.rows).sum()),
         measured=was_measured(result.rows),
         method=method_words(best),
         scene=best["scene"],
@@ -102,7 +104,7 @@ def _rig_words(result: SweepResult, axes: list[Axis]) -> str:
 def _growth_words(result: SweepResult) -> str:
     """How the error of the rig on show grows with depth, as a sentence; empty where there is none."""
     bins = result.by_depth[row_of_bins(result.rows, result.by_depth) == result.showcase.row]
-    words = growth_words(bins)
+    words = growth_words(growth_of(bins))
     return f"The error of the rig on show: {words}." if words else ""
 
 

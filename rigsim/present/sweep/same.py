@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
+from rigsim.present.sweep.phrases import distances
 from rigsim.study.sweep.comparison import Comparison, compare
 from rigsim.study.sweep.result import SweepResult
 
@@ -38,4 +39,6 @@ def same_words(result: SweepResult) -> str:
         return ""
     missing = int((result.rows["depth_rmse_mm"].notna() & ~found.compared).sum())
     rows = "row does" if missing == 1 else "rows do"
-    return f"at {found.words}, per pixel" + (f"; {missing} {rows} not answer that" if missing else "")
+    return f"at {distances(found.spans_mm)}, per pixel" + (
+        f"; {missing} {rows} not answer that" if missing else ""
+    )

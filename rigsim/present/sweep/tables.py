@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from rigsim.present.kit.agreement import text
 from rigsim.present.kit.format import count, number
 from rigsim.present.sweep.column_words import COLUMNS, Column
 from rigsim.present.sweep.measured_words import was_measured
 from rigsim.present.sweep.plots.axes import swept_axes
 from rigsim.present.sweep.same import comparison_of
-from rigsim.study.agreement.agreement import kind_of
 from rigsim.study.sweep.comparison import row_of_bins
 from rigsim.study.sweep.result import SweepResult
 
@@ -100,7 +100,7 @@ def all_rows(result: SweepResult) -> Table:
     same = _Shown("at the same distances", "mm", "same", number)
     limits = _Shown("limited by", "", "limits", str, False)
     table = rows.assign(limits=list(result.limits), same=comparison_of(result).simulated_mm).iloc[places]
-    columns = (*shown, same, limits, _of(COLUMNS["agreement"]))
+    columns = (*shown, same, limits, _AGREEMENT)
     return _table(columns, table, [place == best for place in places], note)
 
 
@@ -109,7 +109,7 @@ def best_by_depth(result: SweepResult) -> Table:
     place = result.best[0] if result.best else result.showcase.row
     table = result.by_depth[row_of_bins(result.rows, result.by_depth) == place]
     names = ("depth_near_mm", "depth_far_mm", "n_points")
-    columns = (*(_of(COLUMNS[name]) for name in names), *_error_columns(table), _of(COLUMNS["agreement"]))
+    columns = (*(_of(COLUMNS[name]) for name in names), *_error_columns(table), _AGREEMENT)
     return _table(columns, table, [False] * len(table))
 
 
@@ -161,7 +161,7 @@ def _table(columns: Sequence[_Shown], table: pd.DataFrame, best: list[bool], not
                 _interval(record) if column.name == _INTERVAL.name else column.show(record[column.name])
                 for column in columns
             ),
-            kind_of(record["agreement"]) == "flagged",
+            record["agreement"].kind == "flagged",
             is_best,
         )
         for record, is_best in zip(table.to_dict("records"), best, strict=True)
@@ -175,4 +175,5 @@ def _interval(record: dict[Any, Any]) -> str:
     return f"{number(low)} – {number(high)}" if np.isfinite(low) and np.isfinite(high) else number(np.nan)
 
 
+_AGREEMENT = replace(_of(COLUMNS["agreement"]), show=text)
 _INTERVAL = _Shown("95 % interval", "mm", "interval", str)

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from rigsim.present.kit import agreement
 from rigsim.present.kit.format import count, length_mm, number, plain, ratio
 from rigsim.present.sweep.measured_words import found_words, method_words
 from rigsim.present.sweep.tables import Row, Table
-from rigsim.study.agreement.agreement import kind_of
+from rigsim.study.agreement.agreement import Agreement, Witness
 from rigsim.study.sweep.result import SweepResult
 
 _NONE = "–"
@@ -60,12 +61,12 @@ def witness_table(result: SweepResult) -> Table:
     return Table(headings, (False,) * 4, tuple(Row(line) for line in lines))
 
 
-def _said(row: Mapping[Any, Any], witness: str) -> str:
+def _said(row: Mapping[Any, Any], witness: Witness) -> str:
     """What is said of one witness: the row's reason when it speaks of it."""
-    kind = kind_of(row["agreement"])
-    if kind != "agrees" and row["agreement_witness"] in (witness, ""):
-        return {"flagged": "⚠ ", "untold": "? "}[kind] + str(row["agreement"])
+    found: Agreement = row["agreement"]
+    if found.kind != "agrees" and found.witness in (witness, ""):
+        return {"flagged": "⚠ ", "untold": "? "}[found.kind] + agreement.text(found)
     if witness == "measured" and not row["measured_n"] > 0:
         return "nothing found"
     # a row says the worst of its witnesses: a flagged one leaves the other unsaid
-    return _NONE if kind == "flagged" and witness == "measured" else "✓ agrees"
+    return _NONE if found.kind == "flagged" and witness == "measured" else "✓ agrees"

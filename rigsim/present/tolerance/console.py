@@ -10,15 +10,15 @@ import numpy as np
 
 from rigsim.present.kit.console import make_console, paragraph, print_table
 from rigsim.present.kit.format import MISSING, number, percent, plain
-from rigsim.study.tolerance.built import percentile_mm
-from rigsim.study.tolerance.run import ToleranceResult
-from rigsim.study.tolerance.sensitivities import QUANTITIES, UNITS
-from rigsim.study.tolerance.words import (
+from rigsim.present.tolerance.words import (
     informed_sentence,
     interactions_sentence,
     recalibration_sentence,
     yield_sentence,
 )
+from rigsim.study.tolerance.built import percentile_mm
+from rigsim.study.tolerance.run import ToleranceResult
+from rigsim.study.tolerance.sensitivities import QUANTITIES, UNITS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

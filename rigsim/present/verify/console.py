@@ -187,16 +187,22 @@ def _print_one(one: TriangulatorResult, strict: bool, again: Sequence[str], cons
 
 def _print_errors(bad: Sequence[CaseResult], console: Console) -> None:
     """Each message once, with the cases it came from."""
-    by_message: dict[str, list[str]] = {}
+    by_message: dict[tuple[str, str], list[str]] = {}
     for case in bad:
         if case.error:
-            # shapes and row numbers differ from case to case, and the mistake does not
-            by_message.setdefault(re.sub(r"\d+", "#", case.error), []).append(case.case.name)
-    first = {re.sub(r"\d+", "#", case.error): case.error for case in reversed(bad) if case.error}
+            by_message.setdefault(_kind(case), []).append(case.case.name)
+    first = {_kind(case): case.error for case in reversed(bad) if case.error}
     for key, names in by_message.items():
         where = ", ".join(names[:_MOST_NAMES])
         where += f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
         paragraph(console, f"Error in {where}: {first[key]}", "  ")
+
+
+def _kind(case: CaseResult) -> tuple[str, str]:
+    """What errors must share to be printed once; sizes and row numbers differ from case to case."""
+    if case.reason == "wrong-shape":
+        return case.reason, f"{len(case.shape)} axes"
+    return case.reason or "", re.sub(r"\d+", "#", case.error)
 
 
 def _print_notes(one: TriangulatorResult, console: Console) -> None:

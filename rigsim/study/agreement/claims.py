@@ -15,7 +15,7 @@ import numpy as np
 from scipy.special import bdtr, bdtrc, chdtri
 
 from rigsim.rig.arrays import Array
-from rigsim.study.agreement.agreement import AGREES, Agreement
+from rigsim.study.agreement.agreement import AGREES, Agreement, Reason, finite
 from rigsim.study.scene.columns import Row
 
 SHARE = 0.9
@@ -73,13 +73,13 @@ def scale_columns(scales: Sequence[Scale]) -> Row:
     }
 
 
-def measured_agreement(row: Row, n_found: int, why: str) -> Agreement:
+def measured_agreement(row: Row, n_found: int, cause: str) -> Agreement:
     """Whether the measurement of a row is as good as it says.
 
     Args:
         row: with the measured columns.
         n_found: matches, those of nothing included.
-        why: why nothing was found, when nothing was.
+        cause: the error for which nothing was found, when nothing was.
     """
     if row["measured_method"] == "none":
         return AGREES
@@ -88,29 +88,34 @@ def measured_agreement(row: Row, n_found: int, why: str) -> Agreement:
     share = n_astray / n_found if n_found else 0.0
     # probability of so many when a fifth of all go astray
     if n_astray and float(bdtrc(n_astray - 1, n_found, _ASTRAY)) <= (1 - CONFIDENCE) / 2:
-        said = f"{share * 100:.2g} % of what was measured is not what both cameras see"
-        return Agreement("flagged", "measured", "outliers", share, said)
+        return Agreement("flagged", "measured", "outliers", "outliers", share, count=(n_astray, n_found))
     if n == 0:
-        return _untold(f"nothing was measured ({why or 'no match of what both cameras see'})")
+        return Agreement("untold", "measured", "nothing-measured", "scale", cause=cause)
     value, low, high = (float(row[f"measured_scale{end}"]) for end in ("", "_ci_low", "_ci_high"))
-    scale = Scale(value, low, high)
-    if scale.low > BAND[1]:
-        said = f"measured errors are {scale.value:.2g} times what they claim"
-        return Agreement("flagged", "measured", "scale", scale.value, said)
-    if not math.isfinite(scale.high):
-        return _untold(f"{n} measured points are too few", scale.value)
-    if row["measured_method"] == "dense":
-        return _untold("dense matching claims no accuracy that its measured error could be held to")
-    if share > _ASTRAY:
-        return _untold(f"of {n_found} measured points {n_astray} are not what both cameras see")
-    said = f"measured errors are {scale.value:.2g} times what they claim"
-    if scale.high < BAND[0]:
-        return _untold(f"{said}: too cautious a claim to confirm", scale.value)
-    if BAND[0] <= scale.low and scale.high <= BAND[1]:
+    reason = _claim(row, Scale(value, low, high), share)
+    if not reason:
         return AGREES
-    said += f" ({scale.low:.2g} to {scale.high:.2g}), not clearly within {BAND[0]:.2g} to {BAND[1]:.2g}"
-    return _untold(said, scale.value)
+    return Agreement(
+        "flagged" if reason == "worse-than-claimed" else "untold",
+        "measured",
+        reason,
+        "scale",
+        finite(value),
+        None if math.isnan(low + high) else (low, high),
+        count=(n_astray, n_found) if reason == "many-astray" else (n, n_found),
+    )
 
 
-def _untold(why: str, ratio: float = math.nan) -> Agreement:
-    return Agreement("untold", "measured", "scale", ratio, why)
+def _claim(row: Row, scale: Scale, astray: float) -> Reason:
+    """What keeps the claim of points that were measured from being confirmed; empty when nothing does."""
+    if scale.low > BAND[1]:
+        return "worse-than-claimed"
+    if not math.isfinite(scale.high):
+        return "too-few-measured"
+    if row["measured_method"] == "dense":
+        return "claims-nothing"
+    if astray > _ASTRAY:
+        return "many-astray"
+    if scale.high < BAND[0]:
+        return "too-cautious"
+    return "" if BAND[0] <= scale.low and scale.high <= BAND[1] else "unclear"

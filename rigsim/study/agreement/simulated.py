@@ -14,11 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from rigsim.rig.arrays import Array, Mask
-from rigsim.study.agreement.agreement import AGREES, Agreement, worst
+from rigsim.study.agreement.agreement import AGREES, Agreement, Place, Reason, finite, worst
 from rigsim.study.agreement.whitened import Finding, examine, point_by_point, whitened
 from rigsim.study.scene.statistics import ErrorStatistics
 from rigsim.study.scene.trials import Prediction
-from rigsim.theory.uncertainty import LEAST_DEPTH_SIGMAS
 
 FALSE_ALARMS = 1e-4
 """Probability that a row of a correct rig is flagged, over all its tests together."""
@@ -34,8 +33,8 @@ _EXACT_PX = 1e-6  # what arithmetic may cost where there is no noise
 class Part:
     """Some of the visible points."""
 
-    where: str
-    """Where they are: "at 2 to 2.5 m"."""
+    place: Place | None
+    """Where they are; None for everywhere."""
     inside: Mask
     """Which they are, (N,)."""
 
@@ -44,16 +43,12 @@ def image_parts(uv_left: Array, width_px: int, height_px: int) -> list[Part]:
     """A grid of three by three regions of the left image, and five columns."""
     across = np.clip((uv_left[:, 0] + 0.5) / width_px, 0, 1 - 1e-9)
     down = np.clip((uv_left[:, 1] + 0.5) / height_px, 0, 1 - 1e-9)
-    parts = [
-        Part(f"in the {row} {column} of the image", (np.floor(3 * across) == i) & (np.floor(3 * down) == j))
-        for j, row in enumerate(("upper", "middle", "lower"))
-        for i, column in enumerate(("left", "centre", "right"))
+    ninths = [
+        Part(Place("region", (j, i)), (np.floor(3 * across) == i) & (np.floor(3 * down) == j))
+        for j in range(3)
+        for i in range(3)
     ]
-    fifths = ("leftmost", "second", "middle", "fourth", "rightmost")
-    return parts + [
-        Part(f"in the {name} fifth of the image's columns", np.floor(5 * across) == i)
-        for i, name in enumerate(fifths)
-    ]
+    return ninths + [Part(Place("column", (i,)), np.floor(5 * across) == i) for i in range(5)]
 
 
 def compare(
@@ -67,7 +62,7 @@ def compare(
         bins: depth bins.
         regions: parts of the image.
     """
-    whole = Part("", np.ones(len(stats.count), dtype=bool))
+    whole = Part(None, np.ones(len(stats.count), dtype=bool))
     ahead = [_beforehand(prediction, stats, part.inside) for part in (whole, *bins)]
     if ahead[0] is not None and ahead[0].kind == "untold":
         return ahead[0], [own or ahead[0] for own in ahead[1:]]
@@ -85,7 +80,7 @@ def compare(
     told = [
         own or _judge(found, limit) for own, found in zip(ahead[1:], findings[1 : n_bins + 1], strict=True)
     ]
-    everywhere = [_judge(found, limit, part.where) for found, part in zip(findings, parts, strict=True)]
+    everywhere = [_judge(found, limit, part.place) for found, part in zip(findings, parts, strict=True)]
     failed = [own for own in ahead if own is not None and own.kind == "flagged"]
     return worst([*failed, *everywhere]), told
 
@@ -96,50 +91,44 @@ def _beforehand(prediction: Prediction, stats: ErrorStatistics, inside: Mask) ->
     tried, n = int(kept.sum()) * stats.n_trials, int(stats.count[kept].sum())
     failed = tried - n
     if not inside.any():
-        return _untold("left and right share nothing")
+        return _untold("nothing-shared")
     if not kept.any():
-        return _untold(f"every depth is below {LEAST_DEPTH_SIGMAS:g} of its standard deviations")
+        return _untold("too-far")
     if n == 0:
-        return Agreement("flagged", "simulated", "failures", why="every triangulation failed")
+        return Agreement("flagged", "simulated", "all-failed", "failures")
     if failed > _FAILED[0] and failed > _FAILED[1] * tried:
-        why = f"{failed / tried * 100:.2g} % of the triangulations failed"
-        return Agreement("flagged", "simulated", "failures", why=why)
+        return Agreement("flagged", "simulated", "some-failed", "failures", failed / tried)
     if np.isinf(prediction.depth_sigmas[kept]).all():
         return _without_noise(math.sqrt(float(stats.sum_nees[kept].sum()) / n / 3))
     if not np.isfinite(prediction.whitening[:, kept]).all():
-        return _untold("noise so correlated leaves no spread to test")
+        return _untold("correlated")
     if n < FEW:
-        return _untold(f"{n} triangulations are too few")
+        return Agreement("untold", "simulated", "too-few-trials", count=(n, FEW))
     return None
 
 
 def _without_noise(error_px: float) -> Agreement:
     """Exact pixels must give exact points; of noise they tell nothing."""
     if error_px <= _EXACT_PX:
-        return _untold("without noise there is no error to compare; every point is found exactly")
-    why = f"simulated error of {error_px:.2g} px where none is predicted"
-    return Agreement("flagged", "simulated", "position", why=why)
+        return _untold("exact")
+    return Agreement("flagged", "simulated", "not-exact", "position", size_px=finite(error_px))
 
 
-def _untold(why: str) -> Agreement:
-    return Agreement("untold", "simulated", why=why)
+def _untold(reason: Reason) -> Agreement:
+    return Agreement("untold", "simulated", reason)
 
 
-def _judge(findings: Sequence[Finding], limit: float, where: str = "") -> Agreement:
+def _judge(findings: Sequence[Finding], limit: float, place: Place | None = None) -> Agreement:
     """Flagged by the first test whose p-value is below `limit`; one that is no number is flagged too."""
     for finding in findings:
         if not finding.p >= limit:
-            why = _words(finding) + (f" {where}" if where else "")
-            return Agreement("flagged", "simulated", finding.quantity, finding.ratio, why)
+            return Agreement(
+                "flagged",
+                "simulated",
+                "spread" if finding.quantity.endswith("spread") else "mean",
+                finding.quantity,
+                finite(finding.ratio),
+                sigmas=finite(finding.sigmas),
+                place=place,
+            )
     return AGREES
-
-
-def _words(finding: Finding) -> str:
-    ratio, quantity = finding.ratio, finding.quantity
-    if not quantity.endswith("spread"):
-        return f"simulated {quantity} is {finding.sigmas:.3g} standard errors from the prediction"
-    what = "simulated error" if quantity == "depth spread" else "simulated position error"
-    if not ratio < 2:
-        return f"{what} {ratio:.3g} times the prediction"
-    side = "above" if ratio > 1 else "below"
-    return f"{what} {abs(ratio - 1) * 100:.2g} % {side} the prediction"

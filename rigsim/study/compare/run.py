@@ -193,7 +193,7 @@ def compare(
             on_step()
     said = (*left_out, *gone.sentences())
     if not rows:
-        raise TriangulatorError(f"nothing could be compared: {'; '.join(said)}")
+        raise TriangulatorError(f"nothing could be compared: {'; '.join(said)}", "nothing-found")
     return ComparisonResult(
         pd.DataFrame(rows, columns=list(COLUMNS)),
         plan,

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -68,7 +68,7 @@ class Check:
     """What was asked for."""
     simulated: float
     """What the rig has, in the unit of the requirement's limit; NaN where nothing says so."""
-    shown_by: str
+    shown_by: Literal["points", "plane", "rays", "pictures", "cameras"]
     """What says so: points, plane, rays, pictures or cameras."""
     n_points: int = 0
     """Points of the scene it rests on, where it rests on them."""
@@ -189,7 +189,8 @@ def _disparity(asked: Requirement, sight: Sight) -> Check:
     """The largest disparity at a distance, or the smallest over its standard deviation."""
     near = np.abs(np.log(sight.points_left[:, 2] / asked.depth_m)) <= math.log(_WINDOW)
     points = sight.points_left[near]
-    shown_by, n_points = "points", len(points)
+    shown_by: Literal["points", "plane"] = "points"
+    n_points = len(points)
     if n_points < FEWEST_MATCHES:
         points, shown_by, n_points = plane(sight.rig, asked.depth_m), "plane", 0
     uv_left, uv_right = sight.rig.project(points)

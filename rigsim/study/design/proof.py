@@ -11,10 +11,10 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from rigsim.rig.noise import PixelNoise
-from rigsim.study.agreement.agreement import kind_of, reason_of
+from rigsim.study.agreement.agreement import Agreement
 from rigsim.study.design import words as words
 from rigsim.study.design.checks import Check, Sight, check
 from rigsim.study.design.solve import Candidate, Design, Specification, solve
@@ -22,7 +22,6 @@ from rigsim.theory.inverse import GATES, LOWER
 
 if TYPE_CHECKING:
     from rigsim.study.design.room import Room
-    from rigsim.study.scene.plan import Plan
     from rigsim.study.scene.showcase import Showcase
     from rigsim.theory.inverse import Camera
 
@@ -35,6 +34,21 @@ ROUNDS = 3
 """Times that a noise shown by the pixels is taken instead of the one assumed."""
 
 
+@dataclass(frozen=True, slots=True)
+class Objection:
+    """Why a candidate is not verified."""
+
+    kind: Literal["nothing-seen", "too-few-points", "missed", "missed-by-pixels", "flagged"]
+    """What failed: the rig sees nothing; the scene has too few points near a distance; the simulation or the
+    pixels miss a requirement; the witnesses disagree."""
+    check: Check | None = None
+    """The requirement that could not be held, or was missed."""
+    agreement: Agreement | None = None
+    """What flags it."""
+    cause: str = ""
+    """The message of the error that left nothing to see."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Proof:
     """What became of one candidate."""
@@ -43,16 +57,24 @@ class Proof:
     """The rig."""
     checks: tuple[Check, ...]
     """Every requirement."""
-    verified: bool
-    """Whether simulation and pixels keep what the formulas promised, and no witness objects."""
-    why: str
-    """One sentence: how it was verified, or why not."""
+    objection: Objection | None
+    """Why it is not verified; None when simulation and pixels keep what the formulas promised and no witness
+    objects."""
     show: Showcase | None
     """Its points and pictures; None where the scene has nothing to simulate."""
+    scene: str = ""
+    """Where it was tried."""
+    n_trials: int = 0
+    """Trials of each simulated point."""
     sensor: str = ""
     """What the pictures were taken with."""
     method: str = ""
     """What was measured in them; empty when nothing was."""
+
+    @property
+    def verified(self) -> bool:
+        """Whether nothing objects."""
+        return self.objection is None
 
     @property
     def lacks_points(self) -> bool:
@@ -162,7 +184,7 @@ def _prove(candidate: Candidate, design: Design, room: Room, noise: PixelNoise) 
     trial = room.trial(candidate)
     label, matches = trial.fitting.label, trial.matches
     if trial.seen is None:
-        return Proof(candidate, (), False, f"not verified: {trial.why}", None, label)
+        return Proof(candidate, (), Objection("nothing-seen", cause=trial.why), None, sensor=label)
     row, show, centres_apart_m = room.row(candidate, noise)
     sight = Sight(
         rig=show.rig,
@@ -176,67 +198,29 @@ def _prove(candidate: Candidate, design: Design, room: Room, noise: PixelNoise) 
     )
     rng = room.plan.stream("percentile", room.plan.scene, show.rig, repr(show.noise))
     checks = tuple(check(asked, sight, rng) for asked in design.specification.requirements)
-    why = _objection(checks, str(row["agreement"]), room.plan)
-    method = matches.method if matches is not None and len(matches.outlier) else ""
-    verified = not why
-    if verified:
-        why = grounds(checks, room.plan, method, label)
     return Proof(
-        candidate, checks, verified, why if verified else f"not verified: {why}", show, label, method
+        candidate,
+        checks,
+        _objection(checks, row["agreement"]),
+        show,
+        room.plan.scene,
+        room.plan.n_trials,
+        sensor=label,
+        method=matches.method if matches is not None and len(matches.outlier) else "",
     )
 
 
-def grounds(checks: Sequence[Check], plan: Plan, method: str, label: str) -> str:
-    """How a pick was verified: on what was simulated and measured, each point counted once."""
-    errors = [held for held in checks if held.requirement.kind == "depth_error"]
-    # two requirements of one distance rest on the same points
-    n_points = len(frozenset[int]().union(*(held.points for held in errors)))
-    n_measured = len(frozenset[int]().union(*(held.matches for held in errors)))
-    simulated = (
-        f"verified: simulated in `{plan.scene}` on {n_points} points {_where(errors)}, "
-        f"{plan.n_trials} trials each"
-    )
-    if n_measured:
-        return f"{simulated}, and measured on {n_measured} {method} in the pictures (sensor: {label})"
-    return f"{simulated}; the pictures have too little to measure near those distances"
-
-
-def _where(errors: Sequence[Check]) -> str:
-    """Where the points lie: near the distances, or else how far off."""
-    widened = {
-        held.requirement.depth_m: f"at {words.span(held.nearest_m, held.farthest_m)} "
-        f"(too few are closer to {words.distance(held.requirement.depth_m)})"
-        for held in errors
-        if held.is_widened
-    }
-    if all(held.is_widened for held in errors):
-        return " and ".join(widened.values())
-    return " and ".join(["near the distances asked for", *widened.values()])
-
-
-def _objection(checks: Sequence[Check], agreement: str, plan: Plan) -> str:
-    """Why the proof fails; empty when it does not."""
+def _objection(checks: Sequence[Check], agreement: Agreement) -> Objection | None:
+    """Why the proof fails; None when it does not."""
     for held in checks:
-        asked = held.requirement
         if math.isnan(held.simulated):
-            return (
-                f"`{plan.scene}` has too few points near {words.distance(asked.depth_m)}, which no baseline "
-                "changes; choose another --scene"
-            )
+            return Objection("too-few-points", held)
         if not held.is_met:
-            return (
-                f"the {words.name(asked)} simulates to {words.value(asked, held.simulated, 3)}, "
-                f"asked for {words.value(asked, asked.limit, 3)}"
-            )
+            return Objection("missed", held)
     for held in checks:
         if held.is_missed_by_pixels:
-            asked = held.requirement
-            return (
-                f"the {words.name(asked)} simulates to {words.value(asked, held.simulated, 3)} as asked for, "
-                f"but measures {words.value(asked, held.measured, 3)} in the pictures "
-                f"({held.n_measured} matches), more than the {words.value(asked, asked.limit, 3)} allowed"
-            )
-    return reason_of(agreement) if kind_of(agreement) == "flagged" else ""
+            return Objection("missed-by-pixels", held)
+    return Objection("flagged", agreement=agreement) if agreement.kind == "flagged" else None
 
 
 def recommended(design: Design, proofs: Sequence[Proof]) -> Candidate:

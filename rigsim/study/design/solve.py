@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal, TypeAlias
 
 from rigsim.errors import InvalidRange, InvalidRig
 from rigsim.rig import extent
@@ -36,7 +37,7 @@ from rigsim.theory.uncertainty import LEAST_DEPTH_SIGMAS
 
 PREFERENCES: tuple[str, ...] = ("smallest", "cheapest", "most-accurate")
 
-NOISE_SOURCES: tuple[str, ...] = ("given", "assumed", "measured")
+NoiseSource: TypeAlias = Literal["given", "assumed", "measured"]
 """Where a pixel noise may come from."""
 PRIOR_NOISE_PX = 0.25
 """Pixel noise where none is given, px: what good matching of natural surfaces reaches."""
@@ -70,8 +71,8 @@ class Specification:
     """All requirements, those that follow from the range among them."""
     noise_px: float
     """Standard deviation of one pixel coordinate, px."""
-    noise_source: str = "given"
-    """One of `NOISE_SOURCES`."""
+    noise_source: NoiseSource = "given"
+    """Where the noise comes from."""
     noise_says: str = "given"
     """Where the noise comes from, in words."""
     build_share: float = BUILD_SHARE

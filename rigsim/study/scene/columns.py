@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from rigsim.study.scene.axes import baseline, focal, hfov, noise, registry, resolution, sensor, vergence
 from rigsim.study.scene.axes import triangulator as method
 from rigsim.study.scene.column import Column, Table
 
-Row: TypeAlias = dict[str, str | float | int]
-"""One row of a table before it becomes one."""
+Row: TypeAlias = dict[str, Any]
+"""One row of a table before it becomes one; `agreement` is an `Agreement`, all else words and numbers."""
 
 _TABLE = Table()
 

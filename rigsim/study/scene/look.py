@@ -17,6 +17,7 @@ from rigsim.rig.sensor import Sensor
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
 from rigsim.sim.truth.points import GroundTruth, depth_bins, depth_edges_m, image_weights
+from rigsim.study.agreement.fault import Fault
 from rigsim.study.scene.columns import Row
 from rigsim.study.scene.pictures import Exposure, expose_pair, without_noise
 from rigsim.study.scene.plan import Plan
@@ -25,7 +26,6 @@ from rigsim.study.scene.statistics import ErrorStatistics
 from rigsim.study.scene.third_witness import Measured, measure
 from rigsim.study.scene.trials import Prediction, predict, run_trials
 from rigsim.study.sweep.diagnosis import find_fault
-from rigsim.study.sweep.symptoms import Fault
 from rigsim.study.triangulators.registry import label as label_of
 from rigsim.theory.reach import reach_m
 

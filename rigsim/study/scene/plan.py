@@ -7,7 +7,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from rigsim.sim.simulator import SUPERSAMPLE
 from rigsim.study.scene.axes import registry
 from rigsim.study.scene.axes.axis import Axis
 from rigsim.study.scene.recipe import Recipe
+
+Held: TypeAlias = Literal["", "focal", "lens"]
+"""What stays between resolutions: the focal length in pixels or the lens; empty when there is but one."""
 
 Triangulator: TypeAlias = str | Callable[[StereoRig, Array, Array], Array]
 
@@ -85,19 +88,11 @@ class RigGrid:
         return values
 
     @property
-    def lens_note(self) -> str:
-        """What stays and what changes between resolutions."""
+    def lens_held(self) -> Held:
+        """What stays between resolutions."""
         if len(self.resolutions_px) < 2:
             return ""
-        if self.focals_px:
-            return (
-                "The focal length in pixels is fixed, so more pixels widen the field of view "
-                "(the same lens and pixel size on a larger sensor)."
-            )
-        return (
-            "The lens is fixed, so more pixels lengthen the focal length in pixels and narrow what one "
-            "pixel covers (smaller pixels on the same sensor)."
-        )
+        return "focal" if self.focals_px else "lens"
 
 
 def sizes(given_sizes: object) -> tuple[tuple[int, int], ...]:

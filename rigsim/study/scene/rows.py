@@ -15,8 +15,9 @@ from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.truth.points import Coverage
 from rigsim.statistics import rms
-from rigsim.study.agreement.agreement import Agreement, worst
+from rigsim.study.agreement.agreement import Agreement, Place, worst
 from rigsim.study.agreement.claims import measured_agreement
+from rigsim.study.agreement.fault import UNKNOWN, Fault
 from rigsim.study.agreement.simulated import Part, compare, image_parts
 from rigsim.study.scene.axes import registry
 from rigsim.study.scene.axes.configuration import Configuration
@@ -26,8 +27,6 @@ from rigsim.study.scene.plan import Triangulator
 from rigsim.study.scene.statistics import ErrorStatistics, summarize
 from rigsim.study.scene.third_witness import Measured, bins_of, measured_row, nothing_measured
 from rigsim.study.scene.trials import Prediction
-from rigsim.study.sweep.diagnosis import UNKNOWN
-from rigsim.study.sweep.symptoms import Fault
 
 _FAR = ("far_inverse_depth_rmse_per_m", "predicted_far_inverse_depth_rmse_per_m")
 
@@ -78,8 +77,8 @@ def configuration(scene: str, rig: StereoRig, noise: PixelNoise, triangulator: s
     return {"scene": scene} | registry.values(Configuration(rig, noise, triangulator, sensor))
 
 
-def empty_row(head: Row, n_trials: int, why: str) -> Row:
-    """The row of sweep.csv for a rig that has no truth points."""
+def empty_row(head: Row, n_trials: int, cause: str) -> Row:
+    """The row of sweep.csv for a rig that has no truth points; `cause` is the error that says so."""
     row: Row = dict.fromkeys(ROW_COLUMNS, math.nan)
     row |= nothing_measured() | {
         "n_points": 0,
@@ -89,7 +88,7 @@ def empty_row(head: Row, n_trials: int, why: str) -> Row:
         "visible_fraction": 0.0,
         "overlap_fraction": 0.0,
     }
-    return row | _written(Agreement("untold", why=why)) | head
+    return row | _written(Agreement("untold", reason="no-points", cause=cause)) | head
 
 
 def rows_of(head: Row, evidence: Evidence) -> tuple[Row, list[Row], Fault | None]:
@@ -98,7 +97,7 @@ def rows_of(head: Row, evidence: Evidence) -> tuple[Row, list[Row], Fault | None
     whole, parts = _agreements(evidence)
     fault = evidence.diagnose() if whole.kind == "flagged" else None
     if whole.kind == "flagged":
-        whole = replace(whole, named=fault.says if fault else UNKNOWN)
+        whole = replace(whole, fault=fault or UNKNOWN)
     everything = np.ones(len(evidence.bins), dtype=bool)
     body = _body(evidence, everything, slice(0, n_bins))
     body |= _covered(evidence, everything, np.ones(len(evidence.coverage_bins), dtype=bool))
@@ -120,7 +119,7 @@ def _agreements(evidence: Evidence) -> tuple[Agreement, list[Agreement]]:
     """Whether the simulation agrees with the prediction: over all, and in each depth bin."""
     visible, edges_m = evidence.visible, evidence.edges_m
     bins = [
-        Part(f"at {near:.3g} to {far:.3g} m", evidence.bins[visible] == i)
+        Part(Place("depth", (near, far)), evidence.bins[visible] == i)
         for i, (near, far) in enumerate(itertools.pairwise(edges_m))
     ]
     left = evidence.rig.left
@@ -228,7 +227,7 @@ def _joined(body: Row, evidence: Evidence, depth_bin: int | None, simulated: Agr
 
 def _written(agreement: Agreement) -> Row:
     witness = "" if agreement.kind == "agrees" else agreement.witness
-    return {"agreement": agreement.text, "agreement_witness": witness}
+    return {"agreement": agreement, "agreement_witness": witness}
 
 
 def _weighted_rms(values: Array, weight: Array) -> float:

@@ -12,6 +12,7 @@ from rigsim.errors import InvalidRig, NothingSeen
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
+from rigsim.study.agreement.agreement import Agreement, Reason
 from rigsim.study.scene.plan import Plan, RigGrid
 from rigsim.theory.uncertainty import LEAST_DEPTH_SIGMAS, depth_in_sigmas
 
@@ -40,6 +41,18 @@ class _Sight:
     @property
     def is_good(self) -> bool:
         return self.shared >= _SHARED and self.passing >= _PASSING
+
+
+_NONE: dict[Reason, str] = {
+    "all-failed": "every triangulation failed",
+    "nothing-shared": "left and right share nothing",
+    "too-far": f"every depth is below {LEAST_DEPTH_SIGMAS:g} of its standard deviations",
+}
+
+
+def why_none(agreement: Agreement) -> str:
+    """Why a row has no result, as part of an error."""
+    return agreement.cause or _NONE.get(agreement.reason, agreement.reason)
 
 
 def advise(simulator: Simulator, rigs: RigGrid | Sequence[StereoRig], plan: Plan) -> str:

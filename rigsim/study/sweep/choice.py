@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
 
 from rigsim.study.scene.columns import AXES, COLUMNS
-from rigsim.study.sweep.comparison import Comparison, compare, reservations
-from rigsim.study.sweep.phrases import describe, mm, say
+from rigsim.study.sweep.comparison import compare, reservations
 
 _TIE_SIGMAS = 2.0  # standard errors of the difference under which two rows are as good
 
@@ -36,28 +36,43 @@ def rank(rows: pd.DataFrame, by_depth: pd.DataFrame) -> tuple[int, ...]:
     return tuple(int(i) for i in order)
 
 
-def choice(
-    rows: pd.DataFrame, comparison: Comparison, swept: tuple[str, ...], order: tuple[int, ...]
-) -> list[str]:
-    """By what the best row was chosen, and which row is as good as far as the sample can tell."""
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """By what the best row was chosen."""
+
+    n: int
+    """Rows that were compared."""
+    spans_mm: tuple[tuple[float, float], ...]
+    """At which distances, near to far."""
+    best: int
+    """Place of the best row."""
+    best_mm: float
+    """Its depth error at these distances, RMS per pixel of the image."""
+    second: int | None
+    """Place of the next one that differs in what the simulation knows; None without."""
+    second_mm: float
+    """Its error; NaN without."""
+    is_tie: bool
+    """Whether the second is as good as far as the sample can tell."""
+
+
+def choice(rows: pd.DataFrame, by_depth: pd.DataFrame, order: tuple[int, ...]) -> Choice | None:
+    """By what the best row was chosen, and which row is as good; None where none was compared to it."""
+    comparison = compare(rows, by_depth)
     best, others = order[0], [place for place in order[1:] if comparison.compared[place]]
     if not others or not comparison.compared[best]:
-        return []
+        return None
     error, spread = comparison.simulated_mm, comparison.spread_mm
-    n = 1 + len(others)
-    sentence = (
-        f"Best of {n} compared at the same distances, {comparison.words}: "
-        f"{describe(rows.loc[best], swept)}, {mm(error[best])} RMS per pixel of the image"
-    )
     level = reservations(rows)
     second = next(
         (place for place in others if level[place] == level[best] and _differ(rows, best, place)), None
     )
+    chosen = Choice(1 + len(others), comparison.spans_mm, best, float(error[best]), None, math.nan, False)
     if second is None:
-        return [sentence + "."]
+        return chosen
     room = _TIE_SIGMAS * math.hypot(spread[best], spread[second])
-    word = "as good within what the points can tell" if error[second] - error[best] <= room else "next"
-    return [f"{sentence}; {word}: {describe(rows.loc[second], swept)}, {mm(error[second])}."]
+    is_tie = bool(error[second] - error[best] <= room)
+    return replace(chosen, second=second, second_mm=float(error[second]), is_tie=is_tie)
 
 
 def _differ(rows: pd.DataFrame, one: int, other: int) -> bool:
@@ -66,23 +81,45 @@ def _differ(rows: pd.DataFrame, one: int, other: int) -> bool:
     return bool((rows.loc[one, axes] != rows.loc[other, axes]).any())
 
 
-def trend(rows: pd.DataFrame, by_depth: pd.DataFrame, swept: tuple[str, ...], best: int) -> list[str]:
+@dataclass(frozen=True, slots=True)
+class Trend:
+    """How the depth error moves along an axis."""
+
+    axis: str
+    """The axis."""
+    first: float
+    """Its least value."""
+    last: float
+    """Its greatest value."""
+    held: tuple[str, ...]
+    """The other axes, at the best row's values."""
+    spans_mm: tuple[tuple[float, float], ...]
+    """At which distances, near to far."""
+    first_mm: float
+    """Depth error at the least value, RMS per pixel of the image."""
+    last_mm: float
+    """That at the greatest."""
+
+
+def trend(rows: pd.DataFrame, by_depth: pd.DataFrame, swept: tuple[str, ...], best: int) -> Trend | None:
     """How the error at the same distances moves along the first numeric axis, the others held."""
     numeric = [axis for axis in swept if COLUMNS[axis].numeric]
     if not numeric:
-        return []
+        return None
     axis = numeric[0]
     others = [other for other in swept if other != axis]
     among = (rows[others] == rows.loc[best, others]).all(axis=1).to_numpy()
     comparison = compare(rows, by_depth, among)
     line = rows[among & comparison.compared].sort_values(axis, kind="stable")
     if len(line) < 2:
-        return []
-    ends = line.index[0], line.index[-1]
-    first_mm, last_mm = (comparison.simulated_mm[place] for place in ends)
-    verb = "falls" if last_mm < first_mm else "rises"
-    held = f" (at {describe(rows.loc[best], tuple(others))})" if others else ""
-    return [
-        f"From {line[axis].iloc[0]:.4g} to {say(axis, line[axis].iloc[-1])}{held}, the depth error at "
-        f"{comparison.words} {verb} from {mm(first_mm)} to {mm(last_mm)} RMS per pixel of the image."
-    ]
+        return None
+    first, last = line.index[0], line.index[-1]
+    return Trend(
+        axis,
+        float(line[axis].iloc[0]),
+        float(line[axis].iloc[-1]),
+        tuple(others),
+        comparison.spans_mm,
+        float(comparison.simulated_mm[first]),
+        float(comparison.simulated_mm[last]),
+    )

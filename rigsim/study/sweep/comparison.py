@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 
 from rigsim.rig.arrays import Array, Ids, Mask
+from rigsim.study.agreement.agreement import flagged
 from rigsim.study.scene.columns import AXES
 from rigsim.study.scene.statistics import CI_SIGMAS
 
@@ -52,18 +53,12 @@ class Comparison:
     spread_mm: Array
     """Standard error of the simulated RMS for other points and other noise, (rows,)."""
 
-    @property
-    def words(self) -> str:
-        """The distances as a person would say them: ``0.8 to 4 m``."""
-        return " and ".join(f"{near / 1e3:.3g} to {far / 1e3:.3g} m" for near, far in self.spans_mm)
-
 
 def reservations(rows: pd.DataFrame) -> Array:
     """What speaks against each row: 0 nothing, 1 too little coverage, 2 a flag, 3 both."""
     known = rows["depth_rmse_mm"].notna()
     poor = rows["visible_fraction"] < WELL_COVERED * rows["visible_fraction"][known].max()
-    flagged = rows["agreement"].str.startswith("flagged")
-    return np.asarray(2.0 * flagged + 1.0 * poor)
+    return np.asarray(2.0 * flagged(rows) + 1.0 * poor)
 
 
 def compare(rows: pd.DataFrame, by_depth: pd.DataFrame, among: Mask | None = None) -> Comparison:

@@ -18,12 +18,12 @@ import numpy as np
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.agreement.fault import UNKNOWN, Fault
 from rigsim.study.scene.plan import Triangulator
 from rigsim.study.sweep.fit import Fit, fits, rig_differences
 from rigsim.study.sweep.symptoms import (
     TRIALS,
     Asked,
-    Fault,
     ask,
     flat,
     percent,
@@ -35,9 +35,6 @@ from rigsim.study.verify.case import Case
 from rigsim.study.verify.checks import judge
 from rigsim.study.verify.diagnosis.diagnosis import diagnose
 from rigsim.study.verify.result import CaseResult, Diagnosis
-
-UNKNOWN = "no single known mistake explains it"
-"""What is said when nothing does."""
 
 _NEGLIGIBLE = 1e-3  # standard deviations of one trial: what no sweep would flag
 _CONVINCING = 0.9
@@ -156,11 +153,11 @@ def _named(asked: Asked, found: Array) -> Fault:
         return Fault(others[0].mistake, _plain(others[0].says), explained=others[0].explained)
     nearest = max(tried, key=lambda one: one.explained, default=None)
     if nearest is None or nearest.explained < 0.5:
-        return Fault("unknown", UNKNOWN)
+        return UNKNOWN
     return Fault(
         "unknown",
-        f"{UNKNOWN}; the nearest, {nearest.sentence}, explains {nearest.explained * 100:.0f} % of the mean "
-        "square error",
+        f"{UNKNOWN.says}; the nearest, {nearest.sentence}, explains {nearest.explained * 100:.0f} % of the "
+        "mean square error",
         explained=nearest.explained,
     )
 
@@ -229,7 +226,7 @@ def _of_rigs(asked: Asked, true_rig: StereoRig) -> Fault | None:
         return _fitted(tried, best)
     known = rig_differences(asked.rig, true_rig, asked.points_left, asked.whitening)
     if not known:
-        return Fault("unknown", UNKNOWN)
+        return UNKNOWN
     return Fault(
         "several",
         "the true rig is not the assumed one: " + "; ".join(one.sentence for one in known),

@@ -1,8 +1,9 @@
-"""How the depth error of one rig grows with the distance: a fit, and what may be said of it."""
+"""How the depth error of one rig grows with the distance."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
@@ -12,11 +13,27 @@ _MISFIT = 0.25  # the edges of a bin are that far apart, squared half of it eith
 _FEWEST_BINS = 3
 
 
-def growth_words(bins: pd.DataFrame) -> str:
-    """How the error grows over the depth bins of one row, as a clause; empty where there is no error.
+@dataclass(frozen=True, slots=True)
+class Growth:
+    """How an error grows over the depth bins of one row."""
 
-    ``log(RMS) = p log(Z) + c`` by least squares over the bins' median depths. "With the distance squared"
-    is said of an exponent within 0.1 of 2, and of any exponent only when no bin lies a quarter off the fit.
+    times: float
+    """The error in the last bin over that in the first."""
+    farther: float
+    """The distance of the last bin over that of the first."""
+    power: float | None
+    """Exponent of the distance; None where a bin lies a quarter off the fit, or there are too few."""
+
+    @property
+    def is_square(self) -> bool:
+        """Whether the exponent is within 0.1 of 2."""
+        return self.power is not None and _SQUARE[0] <= self.power <= _SQUARE[1]
+
+
+def growth_of(bins: pd.DataFrame) -> Growth | None:
+    """How the error grows over the depth bins of one row; None where there is no error or one distance.
+
+    ``log(RMS) = p log(Z) + c`` by least squares over the bins' median depths.
     """
     depth_mm, error_mm = (
         bins[name].to_numpy(dtype=np.float64) for name in ("depth_median_mm", "depth_rmse_mm")
@@ -24,16 +41,13 @@ def growth_words(bins: pd.DataFrame) -> str:
     known = (depth_mm > 0) & (error_mm > 0)
     depth_mm, error_mm = depth_mm[known], error_mm[known]
     if len(depth_mm) < 2 or depth_mm[-1] < 1.1 * depth_mm[0]:
-        return ""
+        return None
     x, y = np.log(depth_mm), np.log(error_mm)
     power, start = np.polyfit(x, y, 1)
     misfit = float(np.abs(y - power * x - start).max())
-    if len(depth_mm) >= _FEWEST_BINS and misfit <= math.log1p(_MISFIT):
-        if _SQUARE[0] <= power <= _SQUARE[1]:
-            return "it grows with the distance squared"
-        return f"it grows with the distance to the power {power:.2g}, not squared"
-    times, farther = error_mm[-1] / error_mm[0], depth_mm[-1] / depth_mm[0]
-    return (
-        f"{times:.3g} times the error at {farther:.3g} times the distance "
-        f"(its square would be {farther**2:.3g} times)"
+    fits = len(depth_mm) >= _FEWEST_BINS and misfit <= math.log1p(_MISFIT)
+    return Growth(
+        float(error_mm[-1] / error_mm[0]),
+        float(depth_mm[-1] / depth_mm[0]),
+        float(power) if fits else None,
     )

@@ -8,25 +8,16 @@ from dataclasses import dataclass, field
 import pandas as pd
 
 from rigsim.rig.remark import Remark
+from rigsim.study.agreement.agreement import flagged
+from rigsim.study.agreement.fault import Fault
+from rigsim.study.scene.plan import Held
 from rigsim.study.scene.showcase import Showcase
-from rigsim.study.sweep.symptoms import Fault
-
-
-@dataclass(frozen=True, slots=True)
-class Verdict:
-    """The answer in words, with numbers."""
-
-    headline: str
-    """One sentence: the answer."""
-    sentences: tuple[str, ...]
-    """What else must be known, a sentence each: what limits the rig, what was flagged."""
-    agrees: bool
-    """Whether no row was flagged."""
+from rigsim.study.sweep.limits import Limit
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SweepResult:
-    """Tables, pictures and words of one sweep."""
+    """Tables, pictures and findings of one sweep."""
 
     rows: pd.DataFrame
     """One row a configuration; `ROW_COLUMNS`."""
@@ -37,21 +28,28 @@ class SweepResult:
     grows behind a fixed lens) are left out."""
     best: tuple[int, ...]
     """Places in `rows` of the best configurations, best first."""
-    limits: tuple[str, ...]
-    """What limits each row, in the order of `rows`: "noise", "overlap", ..."""
-    lens_note: str
-    """What stayed and what changed between resolutions: the lens or the focal length in px."""
+    limits: tuple[Limit, ...]
+    """What limits each row, in the order of `rows`: "pixel noise", "overlap", ..."""
+    lens_held: Held
+    """What stayed between resolutions."""
     showcase: Showcase
     """The best configuration in detail."""
-    verdict: Verdict
-    """The answer in words."""
     provenance: dict[str, object] = field(default_factory=dict)
     """Versions, renderer, seed, command: JSON values only."""
     far_limit_m: float = math.inf
     """Depth beyond which truth was left out because no rig reaches it, m; infinite where nothing was."""
+    beyond_fraction: float = 0.0
+    """Most of a left image that shows what was left out."""
+    has_two_rigs: bool = False
+    """Whether the rig that triangulates is not the true one."""
     remarks: tuple[Remark, ...] = ()
     """What is odd about the scene or the rigs' place in it, each said once."""
     faults: tuple[Fault | None, ...] = ()
     """What is off in each row, in the order of `rows`; None where nothing is flagged or found."""
     complete: bool = True
     """False when the run was interrupted and holds only the rigs done until then."""
+
+    @property
+    def agrees(self) -> bool:
+        """Whether no row is flagged."""
+        return not flagged(self.rows).any()

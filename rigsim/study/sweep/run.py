@@ -1,4 +1,4 @@
-"""The sweep: many rigs in one scene, predicted and simulated, in tables and words."""
+"""The sweep: many rigs in one scene, predicted and simulated, in tables."""
 
 from __future__ import annotations
 
@@ -14,18 +14,17 @@ from rigsim.rig import extent, given
 from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
-from rigsim.study.agreement.agreement import reason_of
 from rigsim.study.scene.columns import AXES, DEPTH_COLUMNS, ROW_COLUMNS
 from rigsim.study.scene.look import Look, Outcome, far_limit_m, look, simulate
 from rigsim.study.scene.pictures import without_noise
-from rigsim.study.scene.plan import Plan, RigGrid
+from rigsim.study.scene.plan import Held, Plan, RigGrid
 from rigsim.study.scene.provenance import simulator_provenance
 from rigsim.study.scene.showcase import Showcase
-from rigsim.study.sweep import words as words
-from rigsim.study.sweep.advice import advise
+from rigsim.study.sweep.advice import advise, why_none
 from rigsim.study.sweep.choice import rank
+from rigsim.study.sweep.limits import limits, swept_axes
 from rigsim.study.sweep.processes import run_all
-from rigsim.study.sweep.result import SweepResult, Verdict
+from rigsim.study.sweep.result import SweepResult
 from rigsim.study.triangulators.registry import label as label_of
 from rigsim.study.triangulators.registry import started
 
@@ -73,8 +72,8 @@ def sweep(
     ):
         here = replace(plan, triangulators=methods)  # processes start their own
         done = _run_all(todo, here if jobs == 1 else plan, jobs, simulator, progress)
-        lens_note = rigs.lens_note if isinstance(rigs, RigGrid) else ""
-        return _conclude(done, here, simulator, lens_note)
+        lens_held: Held = rigs.lens_held if isinstance(rigs, RigGrid) else ""
+        return _conclude(done, here, simulator, lens_held)
 
 
 @dataclass(slots=True)
@@ -133,7 +132,7 @@ def _rigs(rigs: object) -> list[StereoRig]:
     return [given.a(StereoRig, rig, "a StereoRig, several, or a RigGrid") for rig in given.several(rigs)]
 
 
-def _conclude(done: _Done, plan: Plan, simulator: Simulator, lens_note: str) -> SweepResult:
+def _conclude(done: _Done, plan: Plan, simulator: Simulator, lens_held: Held) -> SweepResult:
     rows = [row for outcome in done.outcomes for row in outcome.rows]
     by_depth = [row for outcome in done.outcomes for row in outcome.by_depth]
     table = pd.DataFrame(rows, columns=list(ROW_COLUMNS))
@@ -141,24 +140,20 @@ def _conclude(done: _Done, plan: Plan, simulator: Simulator, lens_note: str) -> 
     order = rank(table, depth_table)
     if not order:
         where = f"scene {simulator.scene.name}: "
-        reasons = dict.fromkeys(reason_of(str(text)).removeprefix(where) for text in table["agreement"])
+        reasons = dict.fromkeys(why_none(one).removeprefix(where) for one in table["agreement"])
         why = "; ".join(list(reasons)[:3])
         raise InvalidScene(f"{where}no rig has a result ({why}): {advise(simulator, done.rigs, plan)}")
-    far_words = words.far_limit_words(plan.far_limit_m, done.beyond_fraction)
-    first = ("baseline_mm", "hfov_deg", "width_px") if lens_note else AXES
-    swept = words.swept_axes(table, tuple(dict.fromkeys((*plan.asked, *first))))
+    first = ("baseline_mm", "hfov_deg", "width_px") if lens_held else AXES
+    swept = swept_axes(table, tuple(dict.fromkeys((*plan.asked, *first))))
     per_rig = len(plan.noises) * len(plan.triangulators) * len(plan.sensors)
     return SweepResult(
         rows=table,
         by_depth=depth_table,
         swept=swept,
         best=order,
-        limits=words.limits(table),
-        lens_note=lens_note,
+        limits=limits(table),
+        lens_held=lens_held,
         showcase=_showcase(simulator, done.rigs[order[0] // per_rig], order[0], plan),
-        verdict=_with_rigs(
-            words.judge(table, depth_table, swept, order, lens_note, done.complete, far_words), plan
-        ),
         provenance={
             **simulator_provenance(simulator),
             "seed": plan.seed,
@@ -166,22 +161,13 @@ def _conclude(done: _Done, plan: Plan, simulator: Simulator, lens_note: str) -> 
             "trials": plan.n_trials,
             **plan.extra,
         },
-        far_limit_m=plan.far_limit_m if far_words else math.inf,
+        far_limit_m=plan.far_limit_m if done.beyond_fraction > 0 else math.inf,
+        beyond_fraction=done.beyond_fraction,
+        has_two_rigs=plan.assumed is not None or plan.perturbation is not None,
         complete=done.complete,
         faults=tuple(fault for outcome in done.outcomes for fault in outcome.faults),
         remarks=done.remarks,
     )
-
-
-def _with_rigs(verdict: Verdict, plan: Plan) -> Verdict:
-    """The verdict, with a word of it when the true rig is not the assumed one."""
-    if plan.assumed is None and plan.perturbation is None:
-        return verdict
-    said = (
-        "Pixels and pictures are the true rig's; depths are triangulated, predicted and measured with the "
-        "assumed one."
-    )
-    return replace(verdict, sentences=(*verdict.sentences, said))
 
 
 def _showcase(simulator: Simulator, rig: StereoRig, row: int, plan: Plan) -> Showcase:

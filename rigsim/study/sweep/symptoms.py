@@ -10,6 +10,7 @@ import numpy as np
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.agreement.fault import Fault
 from rigsim.study.agreement.views import views
 from rigsim.study.scene.plan import Triangulator
 from rigsim.theory.triangulation import triangulate
@@ -27,26 +28,6 @@ _LIFT_PX, _FAR_M, _MOST = 10.0, 1e6, 0.9
 _SPREAD = 0.05
 _ONE_IMAGE = 1.3  # sqrt(2) with equal lenses
 _IMPURE = 0.03
-
-
-@dataclass(frozen=True, slots=True)
-class Fault:
-    """What is off."""
-
-    name: str
-    """Stable short name, as ``yaw``; ``unknown`` when no single known mistake explains the errors."""
-    says: str
-    """One sentence without a full stop."""
-    amount: float = math.nan
-    """How much, in `unit`: truth minus what the triangulation takes; NaN where it has no amount."""
-    amount_se: float = math.nan
-    """Standard error of the amount."""
-    unit: str = ""
-    """Unit of the amount."""
-    explained: float = math.nan
-    """Share of the weighted mean square error that it explains; NaN where that is not what tells."""
-    also: tuple[str, ...] = ()
-    """Short names of the mistakes that have the same effect here."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -138,13 +138,14 @@ class IsolatedTriangulator:
             said = "" if self._said is None else programs.last_words(self._said, begin)
             raise TriangulatorError(
                 f"triangulator {self.name!r} ended its process with {how}: must return"
-                + (f"; its last words: {said}" if said else "")
+                + (f"; its last words: {said}" if said else ""),
+                "ended",
             ) from None
         except BaseException:
             self._end()
             raise
-        if isinstance(answer, str):
-            raise TriangulatorError(answer)
+        if isinstance(answer, TriangulatorError):
+            raise answer
         return answer
 
     def _answer(self, question: object, timeout_s: float) -> Any:
@@ -187,10 +188,11 @@ def serve() -> None:
     try:
         function = load(name)
     except TriangulatorError as error:
-        connection.send(programs.plain(str(error), _LENGTH))
+        connection.send(_shortened(error))
         return
     except BaseException as error:  # as SystemExit
-        connection.send(f"triangulator {name!r}: cannot be imported ({programs.plain(first_line(error))})")
+        why = programs.plain(first_line(error))
+        connection.send(TriangulatorError(f"triangulator {name!r}: cannot be imported ({why})", "unloadable"))
         return
     connection.send((0.0, None))
     while True:
@@ -206,12 +208,18 @@ def serve() -> None:
             points = function(rig, uv_left, uv_right)
             answer = time.perf_counter() - begin, points
         except TriangulatorError as error:
-            answer = programs.plain(str(error), _LENGTH)
+            answer = _shortened(error)
         except BaseException as error:
-            answer = f"triangulator {name!r} raised {programs.plain(first_line(error))}"
+            why = programs.plain(first_line(error))
+            answer = TriangulatorError(f"triangulator {name!r} raised {why}", "raised")
         signal.alarm(0)
         _flush()
         connection.send(answer)
+
+
+def _shortened(error: TriangulatorError) -> TriangulatorError:
+    """The error with a message that fits a line."""
+    return TriangulatorError(programs.plain(str(error), _LENGTH), error.reason, error.shape)
 
 
 def _flush() -> None:

@@ -35,7 +35,8 @@ def named(method: str | Callable[..., Any]) -> Triangulator:
     """
     if isinstance(method, str) and method not in KNOWN and ":" not in method:
         raise TriangulatorError(
-            f"unknown triangulator {method!r}: choose one of {', '.join(KNOWN)}, or package.module:function"
+            f"unknown triangulator {method!r}: choose one of {', '.join(KNOWN)}, or package.module:function",
+            "unknown",
         )
     if isinstance(method, str) and method in KNOWN:
         return KNOWN[method]

@@ -5,26 +5,32 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
+from rigsim.errors import TriangulatorReason
 from rigsim.rig.arrays import Array
 from rigsim.study.verify.case import Case
 
 Status: TypeAlias = Literal["passed", "inefficient", "failed", "error", "not applicable"]
 """``inefficient`` passes unless one is strict; ``error``: the triangulator raised or broke the contract."""
 
+CheckName: TypeAlias = Literal[
+    "answered", "nowhere", "exact", "size", "depth", "unbiased", "efficient", "shape"
+]
+CheckUnit: TypeAlias = Literal["m", "rows", "sigma", ""]
+
 
 @dataclass(frozen=True, slots=True)
 class Check:
     """One number, the interval it must lie in, and why."""
 
-    name: str
-    """answered, exact, unbiased, efficient, consistent, depth or nowhere."""
+    name: CheckName
+    """Which number; docs/reference/verify.md defines them."""
     value: float
     """What was found."""
     low: float
     """Least that passes."""
     high: float
     """Most that passes."""
-    unit: str
+    unit: CheckUnit
     """Unit of the three numbers; empty for ratios."""
     why: str
     """Where the bounds come from, and what the value means."""
@@ -49,8 +55,10 @@ class CaseResult:
     """What was checked; empty when nothing came back."""
     error: str = ""
     """Why nothing usable came back, one line; empty when something did."""
-    timed_out: bool = False
-    """Whether that is that it took too long."""
+    reason: TriangulatorReason | None = None
+    """What that error is; None without one."""
+    shape: tuple[int, ...] = ()
+    """The shape that came back, where that is the error."""
     not_applicable: str = ""
     """Why the triangulator is not meant for this case; empty when it is."""
     found_left: Array | None = None
@@ -65,6 +73,11 @@ class CaseResult:
     """Root mean square of the pixel-space error over its expectation: 1 is the Cramer-Rao bound."""
     notes: tuple[str, ...] = ()
     """What was odd without being wrong, as text on stdout."""
+
+    @property
+    def timed_out(self) -> bool:
+        """Whether nothing came back in time."""
+        return self.reason == "timed-out"
 
     def status(self, strict: bool = False) -> Status:
         """The verdict."""

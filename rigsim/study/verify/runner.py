@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from rigsim.errors import TriangulatorError, TriangulatorTimeout
+from rigsim.errors import TriangulatorError
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.checks import judge, statistical_checks
 from rigsim.study.verify.diagnosis.diagnosis import diagnose
@@ -44,7 +44,7 @@ def verify(
             last = results[-PATIENCE:]
             if len(last) == PATIENCE and all(result.timed_out for result in last):
                 why = f"not asked: the {PATIENCE} cases before took too long"
-                results.append(CaseResult(case, label, error=why, timed_out=True))
+                results.append(CaseResult(case, label, error=why, reason="timed-out"))
             else:
                 results.append(run_case(case, label, function, one))
             on_result(results[-1])
@@ -66,7 +66,8 @@ def run_case(case: Case, label: str, function: Triangulator, false_alarm: float)
             case,
             label,
             error=str(error),
-            timed_out=isinstance(error, TriangulatorTimeout),
+            reason=error.reason,
+            shape=error.shape,
             seconds=time.perf_counter() - start,
             notes=_notes(function),
         )

@@ -16,12 +16,13 @@ from matplotlib.transforms import Transform, offset_copy
 
 from rigsim.present.kit import style
 from rigsim.present.kit.format import plain
-from rigsim.present.sweep.measured_words import blamed, was_measured
+from rigsim.present.sweep.measured_words import was_measured
 from rigsim.present.sweep.plots import third
 from rigsim.present.sweep.plots.axes import Axis, Slice
 from rigsim.present.sweep.plots.strips import mark_beyond, scale_strip, within
 from rigsim.rig.arrays import Array
-from rigsim.study.agreement.agreement import kind_of
+from rigsim.study.agreement.agreement import blamed
+from rigsim.study.agreement.agreement import flagged as flagged_rows
 
 PANEL_WIDTH = style.PAGE_WIDTH_IN
 """Width of a chart with its legends, in."""
@@ -252,7 +253,7 @@ def _draw_legends(
         marks.append((dashed, "predicted from the\nmeasured noise"))
     if cut.x is DEPTH:
         marks.append((Line2D([], [], color=style.GREY, linestyle=_DOTS, linewidth=1.4), "slope of Z²"))
-    if (every["agreement"].map(kind_of) == "flagged").any():
+    if flagged_rows(every).any():
         ring = Line2D(
             [],
             [],

@@ -15,7 +15,7 @@ from rigsim.present.kit.format import number, plain
 from rigsim.present.sweep.plots.axes import Axis, best_row, swept_axes
 from rigsim.present.sweep.same import at_same_distances
 from rigsim.rig.arrays import Array
-from rigsim.study.agreement.agreement import kind_of
+from rigsim.study.agreement.agreement import flagged as flagged_rows
 from rigsim.study.sweep.result import SweepResult
 
 _MOST_ANNOTATED = 12
@@ -44,7 +44,7 @@ def heat_map_values(result: SweepResult, across: Axis, up: Axis) -> tuple[Array,
     i = [up.values.index(value) for value in rows[up.column]]
     j = [across.values.index(value) for value in rows[across.column]]
     values[i, j] = rows["depth_rmse_mm"].to_numpy(dtype=np.float64)
-    flagged[i, j] = (rows["agreement"].map(kind_of) == "flagged").to_numpy()
+    flagged[i, j] = flagged_rows(rows)
     return values, flagged
 
 

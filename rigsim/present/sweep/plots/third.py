@@ -12,10 +12,11 @@ from matplotlib.axes import Axes
 from matplotlib.transforms import Transform
 
 from rigsim.present.kit import style
-from rigsim.present.sweep.measured_words import blamed, equivalent_noise_px
+from rigsim.present.sweep.measured_words import equivalent_noise_px
 from rigsim.present.sweep.plots.axes import Slice
 from rigsim.present.sweep.plots.strips import mark_beyond, within
 from rigsim.rig.arrays import Array, Mask
+from rigsim.study.agreement.agreement import blamed
 
 Dashes: TypeAlias = tuple[float, tuple[float, ...]]
 """A line pattern as matplotlib takes it: where it starts, and lengths on and off."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
@@ -41,46 +40,43 @@ def broken(results: Sequence[CaseResult]) -> list[Diagnosis]:
 
 
 def _broken(result: CaseResult) -> Mark:
-    error, n = result.error, len(result.case)
-    if result.timed_out:
-        return Mark("times-out", "It does not come back in time.")
-    shape = re.search(r"returned shape \(([\d, ]*)\)", error)
-    if shape:
-        sizes = tuple(int(size) for size in re.findall(r"\d+", shape[1]))
-        asked = int(result.case.answerable.sum())
-        match sizes:
-            case (3, m) if m == n:
-                return Mark(
-                    "transposed-answer", "The answer is (3, N), a column a point: return its transpose."
-                )
-            case (4, m) if m == n:
-                return Mark(
-                    "homogeneous-answer",
-                    "The answer is (4, N), homogeneous as triangulatePoints gives it: divide by "
-                    "the last row and "
-                    "transpose.",
-                )
-            case (m, 4) if m == n:
-                return Mark(
-                    "homogeneous-answer", "The answer has four columns: divide by the last and drop it."
-                )
-            case (m, 2) if m == n:
-                return Mark("depth-missing", "The answer has two columns: the depth is missing.")
-            case (m,) if m == n:
-                return Mark("depth-alone", "The answer has one number a point: x and y are missing.")
-            case (m, 3) if m == asked and asked < n:
-                return Mark("rows-dropped", "Rows without an answer are left out: they must be NaN.")
-            case (m, 3):
-                return Mark(
-                    "rows-dropped", f"{m} rows came back for {n}: each needs its own, NaN if need be."
-                )
-            case (m, *rest) if len(rest) > 1 and 3 in rest:
-                return Mark("extra-dimension", f"The answer has shape {sizes}: it has an axis too many.")
-        return Mark("wrong-shape", f"The answer has shape {sizes}: must be ({n}, 3).")
-    for pattern, name in (("returned type", "wrong-type"), ("raised", "raises")):
-        if pattern in error:
-            return Mark(name, f"{error}.")
-    return Mark("broken", f"{error}.")
+    match result.reason:
+        case "timed-out":
+            return Mark("times-out", "It does not come back in time.")
+        case "wrong-shape":
+            return _of_shape(result.shape, len(result.case), int(result.case.answerable.sum()))
+        case "wrong-type":
+            return Mark("wrong-type", f"{result.error}.")
+        case "raised":
+            return Mark("raises", f"{result.error}.")
+        case _:
+            return Mark("broken", f"{result.error}.")
+
+
+def _of_shape(shape: tuple[int, ...], n: int, asked: int) -> Mark:
+    """What an answer's shape says, for `n` rows of which `asked` have an answer."""
+    match shape:
+        case (3, m) if m == n:
+            return Mark("transposed-answer", "The answer is (3, N), a column a point: return its transpose.")
+        case (4, m) if m == n:
+            return Mark(
+                "homogeneous-answer",
+                "The answer is (4, N), homogeneous as triangulatePoints gives it: divide by the last row and "
+                "transpose.",
+            )
+        case (m, 4) if m == n:
+            return Mark("homogeneous-answer", "The answer has four columns: divide by the last and drop it.")
+        case (m, 2) if m == n:
+            return Mark("depth-missing", "The answer has two columns: the depth is missing.")
+        case (m,) if m == n:
+            return Mark("depth-alone", "The answer has one number a point: x and y are missing.")
+        case (m, 3) if m == asked and asked < n:
+            return Mark("rows-dropped", "Rows without an answer are left out: they must be NaN.")
+        case (m, 3):
+            return Mark("rows-dropped", f"{m} rows came back for {n}: each needs its own, NaN if need be.")
+        case (_, *rest) if len(rest) > 1 and 3 in rest:
+            return Mark("extra-dimension", f"The answer has shape {shape}: it has an axis too many.")
+    return Mark("wrong-shape", f"The answer has shape {shape}: must be ({n}, 3).")
 
 
 def statistics(result: CaseResult) -> Iterator[Mark]:

@@ -3,122 +3,144 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
+import numpy as np
 import pandas as pd
 
-from rigsim.study.agreement.agreement import kind_of, reason_of
-from rigsim.study.scene.columns import AXES
+from rigsim.present.kit import agreement
+from rigsim.present.kit.agreement import fault as fault
+from rigsim.present.kit.agreement import spelled as spelled
+from rigsim.present.sweep.phrases import describe, distances, mm, percent, say
+from rigsim.study.agreement.agreement import kinds as kinds_of
+from rigsim.study.scene.plan import Held
 from rigsim.study.sweep.choice import choice, trend
-from rigsim.study.sweep.comparison import WELL_COVERED, compare, row_of_bins
-from rigsim.study.sweep.growth import growth_words
-from rigsim.study.sweep.phrases import describe, mm, percent
-from rigsim.study.sweep.result import Verdict
+from rigsim.study.sweep.comparison import WELL_COVERED, row_of_bins
+from rigsim.study.sweep.growth import Growth, growth_of
+from rigsim.study.sweep.result import SweepResult
 from rigsim.theory.uncertainty import LEAST_DEPTH_SIGMAS
 
-_LOW_DISPARITY = 0.05
-_FAILED = 0.01
-_BIASED = 0.3
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """The answer in words, with numbers."""
+
+    headline: str
+    """One sentence: the answer."""
+    sentences: tuple[str, ...]
+    """What else must be known, a sentence each: what limits the rig, what was flagged."""
+    agrees: bool
+    """Whether no row was flagged."""
 
 
-def swept_axes(rows: pd.DataFrame, order: tuple[str, ...]) -> tuple[str, ...]:
-    """Axes that take more than one value, without those that merely follow another.
-
-    Args:
-        rows: sweep table.
-        order: the axes that were asked for, which are preferred to those that follow them.
-    """
-    varied = [axis for axis in (*order, *(a for a in AXES if a not in order)) if rows[axis].nunique() > 1]
-    swept: list[str] = []
-    for axis in varied:
-        followers = rows.groupby(swept, sort=False)[axis].nunique().max() if swept else 2
-        if followers > 1:
-            swept.append(axis)
-    return tuple(sorted(swept, key=AXES.index))
-
-
-def limits(rows: pd.DataFrame) -> tuple[str, ...]:
-    """What limits each row, in a word or two."""
-    coverage = rows["visible_fraction"].max()
-    words = []
-    for row in rows.itertuples():
-        if not row.depth_rmse_mm >= 0:
-            words.append("no result")
-        elif row.failed_fraction > _FAILED:
-            words.append("failed points")
-        elif row.visible_fraction < WELL_COVERED * coverage:
-            words.append("overlap")
-        elif row.low_disparity_fraction > _LOW_DISPARITY:
-            words.append("low disparity")
-        elif abs(row.depth_bias_mm) > _BIASED * row.depth_rmse_mm:
-            words.append("bias")
-        else:
-            words.append("pixel noise")
-    return tuple(words)
-
-
-def judge(
-    rows: pd.DataFrame,
-    by_depth: pd.DataFrame,
-    swept: tuple[str, ...],
-    order: tuple[int, ...],
-    lens_note: str,
-    complete: bool,
-    far_limit: str = "",
-) -> Verdict:
-    """Put the sweep into sentences.
-
-    Args:
-        rows: `SweepResult.rows`.
-        by_depth: `SweepResult.by_depth`.
-        swept: the axes that were varied.
-        order: places of the rows, best first.
-        lens_note: what stayed and what changed between resolutions.
-        complete: whether every rig was done.
-        far_limit: what was left out for being too far, as `far_limit_words` says it.
-    """
-    best = order[0]
+def verdict(result: SweepResult) -> Verdict:
+    """A sweep in sentences."""
+    rows, by_depth, swept, best = result.rows, result.by_depth, result.swept, result.best[0]
     row = rows.loc[best]
     bins = _bins(best, rows, by_depth)
     sentences = [
+        *([] if result.complete else ["The run was interrupted: only the rigs done until then are shown."]),
         *_far_end(bins),
         *_averages(row),
-        *choice(rows, compare(rows, by_depth), swept, order),
-        *trend(rows, by_depth, swept, best),
+        *_choice(result),
+        *_trend(result),
         *_measured(row),
         *_agreement(rows),
         *_coverage(rows, swept),
         *_low_disparity(row),
+        *_far_limit(result),
+        *filter(None, [lens(result)]),
+        *([_TWO_RIGS] if result.has_two_rigs else []),
     ]
-    if far_limit:
-        sentences.append(far_limit)
-    if lens_note:
-        sentences.append(lens_note)
-    if not complete:
-        sentences.insert(0, "The run was interrupted: only the rigs done until then are shown.")
-    flagged = rows["agreement"].map(kind_of) == "flagged"
-    return Verdict(_headline(row, bins), tuple(sentences), not bool(flagged.any()))
+    return Verdict(_headline(row, bins), tuple(sentences), result.agrees)
 
 
-def far_limit_words(limit_m: float, beyond_fraction: float) -> str:
-    """What was left out for being too far; empty when nothing was."""
-    if not (math.isfinite(limit_m) and beyond_fraction > 0):
-        return ""
-    return (
-        f"Surfaces beyond {limit_m:.3g} m, up to {percent(beyond_fraction)} of a left image, are left out: "
-        "there no rig of this sweep has a depth of 4 of its standard deviations (--range sets other limits)."
+def lens(result: SweepResult) -> str:
+    """What stayed and what changed between resolutions; empty when there was but one."""
+    return _LENS[result.lens_held]
+
+
+_TWO_RIGS = (
+    "Pixels and pictures are the true rig's; depths are triangulated, predicted and measured with the "
+    "assumed one."
+)
+_LENS: dict[Held, str] = {
+    "": "",
+    "focal": (
+        "The focal length in pixels is fixed, so more pixels widen the field of view "
+        "(the same lens and pixel size on a larger sensor)."
+    ),
+    "lens": (
+        "The lens is fixed, so more pixels lengthen the focal length in pixels and narrow what one "
+        "pixel covers (smaller pixels on the same sensor)."
+    ),
+}
+
+
+def _far_limit(result: SweepResult) -> list[str]:
+    """What was left out for being too far."""
+    if not math.isfinite(result.far_limit_m):
+        return []
+    return [
+        f"Surfaces beyond {result.far_limit_m:.3g} m, up to {percent(result.beyond_fraction)} of a left "
+        "image, are left out: there no rig of this sweep has a depth of 4 of its standard deviations "
+        "(--range sets other limits)."
+    ]
+
+
+def _choice(result: SweepResult) -> list[str]:
+    """By what the best row was chosen, and which row is as good as far as the sample can tell."""
+    rows, found = result.rows, choice(result.rows, result.by_depth, result.best)
+    if found is None:
+        return []
+    sentence = (
+        f"Best of {found.n} compared at the same distances, {distances(found.spans_mm)}: "
+        f"{describe(rows.loc[found.best], result.swept)}, {mm(found.best_mm)} RMS per pixel of the image"
     )
+    if found.second is None:
+        return [sentence + "."]
+    word = "as good within what the points can tell" if found.is_tie else "next"
+    return [f"{sentence}; {word}: {describe(rows.loc[found.second], result.swept)}, {mm(found.second_mm)}."]
+
+
+def _trend(result: SweepResult) -> list[str]:
+    """How the error at the same distances moves along the first numeric axis, the others held."""
+    found = trend(result.rows, result.by_depth, result.swept, result.best[0])
+    if found is None:
+        return []
+    verb = "falls" if found.last_mm < found.first_mm else "rises"
+    at = describe(result.rows.loc[result.best[0]], found.held)
+    return [
+        f"From {found.first:.4g} to {say(found.axis, found.last)}{f' (at {at})' if at else ''}, the depth "
+        f"error at {distances(found.spans_mm)} {verb} from {mm(found.first_mm)} to {mm(found.last_mm)} RMS "
+        "per pixel of the image."
+    ]
+
+
+def growth_words(found: Growth | None) -> str:
+    """How the error grows with the distance, as a clause; empty where that is not known."""
+    if found is None:
+        return ""
+    if found.power is None:
+        return (
+            f"{found.times:.3g} times the error at {found.farther:.3g} times the distance "
+            f"(its square would be {found.farther**2:.3g} times)"
+        )
+    if found.is_square:
+        return "it grows with the distance squared"
+    return f"it grows with the distance to the power {found.power:.2g}, not squared"
 
 
 def _headline(row: pd.Series, bins: pd.DataFrame) -> str:
     middle = bins[bins["depth_far_mm"] >= row["depth_median_mm"]].iloc[0]
     ending = {
         "agrees": "and in agreement",
-        "flagged": f"and {row['agreement']}",
+        "flagged": f"and {agreement.text(row['agreement'])}",
         # what is untold of the pictures leaves the simulation as it is
         "untold": "and in agreement"
-        if row["agreement_witness"] == "measured"
+        if row["agreement"].witness == "measured"
         else "with too little to tell whether they agree",
-    }[kind_of(row["agreement"])]
+    }[row["agreement"].kind]
     return (
         f"At {_depths(middle)}, {row['baseline_mm']:.4g} mm of baseline gives "
         f"{mm(middle['depth_rmse_mm'])} RMS depth error; "
@@ -131,7 +153,7 @@ def _far_end(bins: pd.DataFrame) -> list[str]:
     if len(bins) < 2:
         return []
     last = bins.iloc[-1]
-    growth = growth_words(bins)
+    growth = growth_words(growth_of(bins))
     return [
         f"At the far end, {_depths(last)}, the same rig gives {mm(last['depth_rmse_mm'])} RMS "
         f"(predicted {mm(last['predicted_depth_rmse_mm'])})" + (f": {growth}." if growth else ".")
@@ -160,7 +182,8 @@ def _depths(row: pd.Series) -> str:
 
 def _agreement(rows: pd.DataFrame) -> list[str]:
     """How many rows agree, how many are flagged and why, and how many cannot tell and why."""
-    kinds = rows["agreement"].map(kind_of)
+    kinds = kinds_of(rows)
+    of_pictures = np.array([one.witness == "measured" for one in rows["agreement"]], dtype=bool)
     measured = bool((rows["measured_n"] > 0).any())
     who = "Prediction, simulation and measurement" if measured else "Prediction and simulation"
     ratio = rows["predicted_over_simulated"].dropna()
@@ -180,11 +203,11 @@ def _agreement(rows: pd.DataFrame) -> list[str]:
         f"In {len(part)} of {n} {'row' if n == 1 else 'rows'} {words}: {_commonest(part)}."
         for part, words in (
             (
-                rows[(kinds == "untold") & (rows["agreement_witness"] == "measured")],
+                rows[(kinds == "untold") & of_pictures],
                 "prediction and simulation agree, but there is not enough to tell of the measurement",
             ),
             (
-                rows[(kinds == "untold") & (rows["agreement_witness"] != "measured")],
+                rows[(kinds == "untold") & ~of_pictures],
                 "there is not enough to tell whether they agree",
             ),
         )
@@ -194,7 +217,7 @@ def _agreement(rows: pd.DataFrame) -> list[str]:
 
 def _commonest(rows: pd.DataFrame) -> str:
     """The commonest reason among rows, and whether there are others."""
-    reasons = rows["agreement"].map(reason_of).value_counts()
+    reasons = rows["agreement"].map(agreement.reason).value_counts()
     return str(reasons.index[0]) + (" (and others)" if len(reasons) > 1 else "")
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import pandas as pd
 
 from rigsim.study.scene.axes import registry
@@ -29,6 +31,11 @@ def say(axis: str, value: object) -> str:
         return f"`{value}`"
     space = "" if unit in ("", "°") else " "
     return f"{value:.4g}{space}{unit} of {words}"
+
+
+def distances(spans_mm: Sequence[tuple[float, float]]) -> str:
+    """Stretches of depth: ``0.8 to 4 m``."""
+    return " and ".join(f"{near / 1e3:.3g} to {far / 1e3:.3g} m" for near, far in spans_mm)
 
 
 def mm(value: float) -> str:

@@ -1,0 +1,65 @@
+"""A design in words: how its pick was verified, or why not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rigsim.present.kit import agreement
+from rigsim.study.design import words as labels
+from rigsim.study.design.checks import Check
+from rigsim.study.design.proof import Objection, Proof
+
+
+def outcome(proof: Proof) -> str:
+    """How a candidate was verified, or why not; without a full stop."""
+    if proof.objection is not None:
+        return f"not verified: {_objection(proof.objection, proof.scene)}"
+    return grounds(proof.checks, proof.scene, proof.n_trials, proof.method, proof.sensor)
+
+
+def grounds(checks: Sequence[Check], scene: str, n_trials: int, method: str, sensor: str) -> str:
+    """How a pick was verified: on what was simulated and measured, each point counted once."""
+    errors = [held for held in checks if held.requirement.kind == "depth_error"]
+    # two requirements of one distance rest on the same points
+    n_points = len(frozenset[int]().union(*(held.points for held in errors)))
+    n_measured = len(frozenset[int]().union(*(held.matches for held in errors)))
+    simulated = (
+        f"verified: simulated in `{scene}` on {n_points} points {_where(errors)}, {n_trials} trials each"
+    )
+    if n_measured:
+        return f"{simulated}, and measured on {n_measured} {method} in the pictures (sensor: {sensor})"
+    return f"{simulated}; the pictures have too little to measure near those distances"
+
+
+def _where(errors: Sequence[Check]) -> str:
+    """Where the points lie: near the distances, or else how far off."""
+    widened = {
+        held.requirement.depth_m: f"at {labels.span(held.nearest_m, held.farthest_m)} "
+        f"(too few are closer to {labels.distance(held.requirement.depth_m)})"
+        for held in errors
+        if held.is_widened
+    }
+    if all(held.is_widened for held in errors):
+        return " and ".join(widened.values())
+    return " and ".join(["near the distances asked for", *widened.values()])
+
+
+def _objection(found: Objection, scene: str) -> str:
+    if found.agreement is not None:
+        return agreement.reason(found.agreement)
+    held = found.check
+    if held is None:
+        return found.cause
+    asked = held.requirement
+    if found.kind == "too-few-points":
+        return (
+            f"`{scene}` has too few points near {labels.distance(asked.depth_m)}, which no baseline changes; "
+            "choose another --scene"
+        )
+    simulated = f"the {labels.name(asked)} simulates to {labels.value(asked, held.simulated, 3)}"
+    if found.kind == "missed":
+        return f"{simulated}, asked for {labels.value(asked, asked.limit, 3)}"
+    return (
+        f"{simulated} as asked for, but measures {labels.value(asked, held.measured, 3)} in the pictures "
+        f"({held.n_measured} matches), more than the {labels.value(asked, asked.limit, 3)} allowed"
+    )

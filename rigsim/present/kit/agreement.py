@@ -1,0 +1,118 @@
+"""An agreement in words: what the tables write, and why."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import pandas as pd
+
+from rigsim.study.agreement.agreement import Agreement, Place, Reason
+from rigsim.study.agreement.claims import BAND
+from rigsim.study.agreement.fault import Fault
+from rigsim.theory.uncertainty import LEAST_DEPTH_SIGMAS
+
+_ROWS = ("upper", "middle", "lower")
+_COLUMNS = ("left", "centre", "right")
+_FIFTHS = ("leftmost", "second", "middle", "fourth", "rightmost")
+
+
+def text(agreement: Agreement) -> str:
+    """What the tables write: ``agrees``, ``flagged: ...`` or ``untold: ...``."""
+    return agreement.kind if agreement.kind == "agrees" else f"{agreement.kind}: {reason(agreement)}"
+
+
+def reason(agreement: Agreement) -> str:
+    """Why, and what is off where that is known; empty when they agree."""
+    if agreement.kind == "agrees":
+        return ""
+    said = _SAID[agreement.reason](agreement)
+    if agreement.place is not None:
+        said += f" {place(agreement.place)}"
+    return said + (f"; {fault(agreement.fault)}" if agreement.fault is not None else "")
+
+
+def fault(found: Fault) -> str:
+    """What is off, without a full stop."""
+    return found.says
+
+
+def spelled(table: pd.DataFrame) -> pd.DataFrame:
+    """A table of a sweep with its agreements as words."""
+    return table.assign(agreement=[text(one) for one in table["agreement"]])
+
+
+def place(where: Place) -> str:
+    """Where something differs: ``at 2 to 2.5 m``."""
+    if where.of == "depth":
+        return "at {:.3g} to {:.3g} m".format(*where.at)
+    if where.of == "column":
+        return f"in the {_FIFTHS[int(where.at[0])]} fifth of the image's columns"
+    row, column = (int(part) for part in where.at)
+    return f"in the {_ROWS[row]} {_COLUMNS[column]} of the image"
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else value
+
+
+def _percent(share: float | None) -> str:
+    return f"{_number(share) * 100:.2g} %"
+
+
+def _spread(agreement: Agreement) -> str:
+    ratio = _number(agreement.ratio)
+    what = "simulated error" if agreement.quantity == "depth spread" else "simulated position error"
+    if not ratio < 2:  # one that is no number too
+        return f"{what} {ratio:.3g} times the prediction"
+    side = "above" if ratio > 1 else "below"
+    return f"{what} {abs(ratio - 1) * 100:.2g} % {side} the prediction"
+
+
+def _mean(agreement: Agreement) -> str:
+    sigmas = _number(agreement.sigmas)
+    return f"simulated {agreement.quantity} is {sigmas:.3g} standard errors from the prediction"
+
+
+def _counted(agreement: Agreement) -> tuple[int, int]:
+    return agreement.count or (0, 0)
+
+
+def _astray(agreement: Agreement) -> str:
+    n_astray, n_found = _counted(agreement)
+    return f"of {n_found} measured points {n_astray} are not what both cameras see"
+
+
+def _claim(agreement: Agreement) -> str:
+    return f"measured errors are {_number(agreement.ratio):.2g} times what they claim"
+
+
+def _unclear(agreement: Agreement) -> str:
+    low, high = agreement.interval or (math.nan, math.nan)
+    return f"{_claim(agreement)} ({low:.2g} to {high:.2g}), not clearly within {BAND[0]:.2g} to {BAND[1]:.2g}"
+
+
+_SAID: dict[Reason, Callable[[Agreement], str]] = {
+    "": lambda _: "",
+    "all-failed": lambda _: "every triangulation failed",
+    "some-failed": lambda one: f"{_percent(one.ratio)} of the triangulations failed",
+    "not-exact": lambda one: f"simulated error of {_number(one.size_px):.2g} px where none is predicted",
+    "spread": _spread,
+    "mean": _mean,
+    "outliers": lambda one: f"{_percent(one.ratio)} of what was measured is not what both cameras see",
+    "worse-than-claimed": _claim,
+    "no-points": lambda one: one.cause,
+    "nothing-shared": lambda _: "left and right share nothing",
+    "too-far": lambda _: f"every depth is below {LEAST_DEPTH_SIGMAS:g} of its standard deviations",
+    "exact": lambda _: "without noise there is no error to compare; every point is found exactly",
+    "correlated": lambda _: "noise so correlated leaves no spread to test",
+    "too-few-trials": lambda one: f"{_counted(one)[0]} triangulations are too few",
+    "nothing-measured": lambda one: (
+        f"nothing was measured ({one.cause or 'no match of what both cameras see'})"
+    ),
+    "too-few-measured": lambda one: f"{_counted(one)[0]} measured points are too few",
+    "claims-nothing": lambda _: "dense matching claims no accuracy that its measured error could be held to",
+    "many-astray": _astray,
+    "too-cautious": lambda one: f"{_claim(one)}: too cautious a claim to confirm",
+    "unclear": _unclear,
+}
