@@ -43,7 +43,7 @@ def rig(
     one = single_rig(options, None, size_for="an export")
 
     from rigsim.interop.files import folder
-    from rigsim.interop.formats.export import rig_files
+    from rigsim.interop.formats.registry import rig_files
 
     files = rig_files(one, format)
     folder.write_folder(out, files, force)
