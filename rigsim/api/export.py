@@ -104,7 +104,7 @@ def export_rig(rig: RigLike, format: str, *, command: str = "") -> ExportedRig:
         >>> rigsim.read_rig(found.files()["camchain.yaml"].decode()).baseline_m
         0.075
     """
-    from rigsim.interop.formats.export import rig_files
+    from rigsim.interop.formats.registry import rig_files
 
     one = read_rig(rig)
     return ExportedRig(one, format, rig_files(one, format), command)

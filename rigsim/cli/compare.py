@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rigsim.cli.kit import quantity
+from rigsim.cli.kit import lists, quantity
 from rigsim.cli.kit.answer import print_document, quiet
 from rigsim.cli.kit.options import Json, takes_rig
 from rigsim.cli.kit.progress import shown
@@ -46,8 +46,7 @@ def compare(
         list[str] | None,
         typer.Option(
             metavar="NAME",
-            help="rectified, doffs, off-centre, non-square, near, far, verged, rolled, vertical, forward,"
-            " unequal, distorted, or none beside a rig of yours. Repeatable, or commas.",
+            help=f"{lists.GEOMETRIES}, or none beside a rig of yours. Repeatable, or commas.",
         ),
     ] = None,
     noise: Annotated[

@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from rigsim.cli.kit import quantity
+from rigsim.cli.kit import lists, quantity
 from rigsim.cli.kit.answer import print_document, print_remarks, quiet
 from rigsim.cli.kit.options import Json, single_rig, takes_rig
 from rigsim.cli.kit.rigs import RigOptions
@@ -25,14 +25,13 @@ app = typer.Typer(
 )
 
 _MOVE = quantity.Kind("move", "mm", {"mm": Fraction(1), "cm": Fraction(10), "m": Fraction(1000)}, at_least=0)
-_RIG_FORMATS = "opencv, ros, kalibr, middlebury, colmap, mjcf or nerfstudio."
 
 
 @app.command()
 @takes_rig
 def rig(
     options: RigOptions,
-    format: Annotated[str, typer.Option(metavar="FORMAT", help=_RIG_FORMATS)],
+    format: Annotated[str, typer.Option(metavar="FORMAT", help=f"{lists.RIG_FORMATS}.")],
     out: Annotated[Path, typer.Option(help="Folder of the files.")],
     force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
     as_json: Json = False,
@@ -43,7 +42,7 @@ def rig(
     one = single_rig(options, None, size_for="an export")
 
     from rigsim.interop.files import folder
-    from rigsim.interop.formats.export import rig_files
+    from rigsim.interop.formats.registry import rig_files
 
     files = rig_files(one, format)
     folder.write_folder(out, files, force)
@@ -61,7 +60,7 @@ def rig(
 @takes_rig
 def dataset(
     options: RigOptions,
-    format: Annotated[str, typer.Option(metavar="FORMAT", help="middlebury, kitti, opencv or colmap.")],
+    format: Annotated[str, typer.Option(metavar="FORMAT", help=f"{lists.DATASET_FORMATS}.")],
     frames: Annotated[int, typer.Option(metavar="N", help="How many stereo pairs.")],
     out: Annotated[Path, typer.Option(help="Folder of the data set.")],
     scene: Annotated[str, typer.Option(help="A bundled scene's name, or an MJCF file.")] = "boards",

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rigsim.cli.kit import ends, quantity
+from rigsim.cli.kit import ends, lists, quantity
 from rigsim.cli.kit.answer import print_document, print_remarks, quiet
 from rigsim.cli.kit.axes import asked, takes_axes, values_of
 from rigsim.cli.kit.progress import shown
@@ -86,7 +86,7 @@ def sweep(
     full_well: FullWell = None,
     read_noise: ReadNoise = None,
     triangulator: Annotated[
-        str, typer.Option(help="optimal, rectified, dlt, midpoint, cv2, or package.module:function; commas.")
+        str, typer.Option(help=f"{lists.TRIANGULATORS}, or package.module:function; commas.")
     ] = "optimal",
     timeout: Annotated[
         str, typer.Option(metavar="TIME", help="For one call of a function of yours, a block of trials.")

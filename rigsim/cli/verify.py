@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rigsim.cli.kit import quantity
+from rigsim.cli.kit import lists, quantity
 from rigsim.cli.kit.answer import print_document, quiet
 from rigsim.cli.kit.options import Json, takes_rig
 from rigsim.cli.kit.progress import shown
@@ -39,7 +39,7 @@ def verify(
         list[str] | None,
         typer.Option(
             metavar="NAME",
-            help="optimal, rectified, dlt, midpoint, cv2, or package.module:function; repeatable, or commas."
+            help=f"{lists.TRIANGULATORS}, or package.module:function; repeatable, or commas."
             " optimal unless said.",
         ),
     ] = None,

@@ -8,7 +8,7 @@ import pytest
 
 import rigsim
 from rigsim.errors import InvalidRange, InvalidRig
-from rigsim.interop.formats.export import RIG_FORMATS, rig_files
+from rigsim.interop.formats.registry import RIG_FORMATS, rig_files
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
 

@@ -14,9 +14,9 @@ from rigsim.cli.app import run
 from rigsim.errors import InvalidRange, InvalidRig, OutputError
 from rigsim.interop.files.dataset import DATASET_FORMATS
 from rigsim.interop.formats.calibration import read_calibration
-from rigsim.interop.formats.export import RIG_FORMATS, rig_files
 from rigsim.interop.formats.kitti import calib_cam_to_cam, parse_cam_to_cam
 from rigsim.interop.formats.middlebury import calib_text, parse_calib
+from rigsim.interop.formats.registry import RIG_FORMATS, rig_files
 from rigsim.interop.formats.rig_toml import write_rig
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.distortion import BrownConrady

@@ -8,16 +8,19 @@ unit.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 
 from rigsim.errors import InvalidRig
+from rigsim.interop.formats.format import Format
 from rigsim.interop.formats.values import (
     clipped,
     number,
     opencv_distortion,
     pixels,
     quaternion_from_rotvec,
+    read_text,
     real,
     rotation_from_quaternion,
 )
@@ -169,3 +172,28 @@ def _first_two(text: str) -> tuple[str, str, Pose]:
 def _pose(words: list[str], where: str) -> Pose:
     values = np.array([number(word, f"{where}: pose") for word in words])
     return Pose(rotation_from_quaternion(values[:4], where), values[4:])
+
+
+_READ = ("cameras.txt", "rigs.txt", "images.txt")
+
+
+def _read(path: Path) -> StereoRig:
+    folder = path.parent
+    needed, *others = _READ
+    names = [needed, *(name for name in others if (folder / name).exists())]
+    try:
+        return parse_colmap({name: read_text(folder / name) for name in names})
+    except InvalidRig as error:
+        raise InvalidRig(f"{folder}: {error}") from None
+
+
+FORMAT = Format(
+    "colmap",
+    "COLMAP's text model, with its rigs and frames",
+    (".txt",),
+    _READ[0],
+    "sparse/0/cameras.txt",
+    read=_read,
+    names=_READ,
+    write=colmap_files,
+)

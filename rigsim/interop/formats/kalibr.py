@@ -6,7 +6,10 @@ the right one's, metres. Its ``radtan`` lens has k1, k2, p1, p2 and nothing else
 
 from __future__ import annotations
 
+import re
+
 from rigsim.errors import InvalidRig
+from rigsim.interop.formats.format import Format
 from rigsim.interop.formats.opencv_yaml import coefficients
 from rigsim.interop.formats.values import (
     matrix,
@@ -102,3 +105,16 @@ def _camera(table: object, name: str) -> Intrinsics:
         float(cy),
         distortion,
     )
+
+
+_KNOWN = re.compile(r"^cam[01]\s*:", re.MULTILINE)
+
+FORMAT = Format(
+    "kalibr",
+    "Kalibr's camera chain",
+    (".yml", ".yaml"),
+    FILE_NAME,
+    knows=lambda text: _KNOWN.search(text) is not None,
+    parse=parse_camchain,
+    write=lambda rig: {FILE_NAME: camchain_yaml(rig)},
+)

@@ -14,6 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from rigsim.errors import InvalidRig
+from rigsim.interop.formats import middlebury
+from rigsim.interop.formats.format import Format
 from rigsim.interop.formats.values import clipped, lens, number, pixels, real
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
@@ -100,3 +102,16 @@ def _numbers(values: dict[str, str], key: str, count: int) -> Array:
     if len(words) != count:
         raise InvalidRig(f"{key}: {clipped(values[key])}: must be {count} numbers")
     return np.array([number(word, key) for word in words])
+
+
+_KNOWN = re.compile(r"^\s*P_rect_0\d\s*:", re.MULTILINE)
+
+FORMAT = Format(
+    "kitti",
+    "KITTI's stereo data, read only; data sets are written",
+    (".txt",),
+    "calib_cam_to_cam.txt",
+    "training/calib_cam_to_cam/000000.txt",
+    knows=lambda text: _KNOWN.search(text) is not None and not middlebury.knows(text),
+    parse=parse_cam_to_cam,
+)

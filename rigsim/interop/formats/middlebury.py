@@ -20,6 +20,7 @@ import numpy as np
 
 from rigsim import foreign
 from rigsim.errors import InvalidImage, InvalidRig
+from rigsim.interop.formats.format import Format
 from rigsim.pixels.dense.pfm import parse_pfm
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
@@ -29,6 +30,8 @@ _DOFFS_TOLERANCE_PX = 2e-3  # the files print three decimals
 _PNG_SCALE = 256.0
 LARGEST_PNG_PX = 65535 / _PNG_SCALE
 """Largest disparity in a 16 bit PNG of KITTI's, px."""
+FILE_NAME = "calib.txt"
+
 _LINE = re.compile(r"\s*([A-Za-z]\w*)\s*=\s*(.+?)\s*$")
 
 
@@ -216,3 +219,25 @@ def _given(values: dict[str, str], key: str, name: str) -> str:
     if key not in values:
         raise InvalidRig(f"{name}: no line {key}=...: a Middlebury calib.txt has one")
     return values[key]
+
+
+_KNOWN = re.compile(r"^\s*cam0\s*=", re.MULTILINE)
+
+
+def knows(text: str) -> bool:
+    """Whether a text is a calib.txt's."""
+    return _KNOWN.search(text) is not None
+
+
+FORMAT = Format(
+    "middlebury",
+    "Middlebury's stereo data sets, 2014 and later",
+    (".txt",),
+    FILE_NAME,
+    "000000/calib.txt",
+    knows=knows,
+    parse=lambda text: parse_calib(text).rig,
+    read=lambda path: read_calib(path).rig,
+    write=lambda rig: {FILE_NAME: calib_text(rig)},
+    otherwise=(".txt",),
+)

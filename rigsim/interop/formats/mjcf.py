@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from rigsim.errors import InvalidRig
+from rigsim.interop.formats.format import Format
 from rigsim.interop.formats.values import (
     clipped,
     number,
@@ -126,3 +127,15 @@ def _camera(element: ElementTree.Element, name: str) -> tuple[Intrinsics, Pose]:
         (height - 1) / 2 - float(offset[1]),
     )
     return camera, Pose(R, values("pos", 3, "0 0 0"))
+
+
+FORMAT = Format(
+    "mjcf",
+    "MuJoCo's scene file with two cameras in one body",
+    (".xml",),
+    FILE_NAME,
+    knows=lambda text: text.lstrip().startswith("<"),
+    parse=parse_rig_xml,
+    write=lambda rig: {FILE_NAME: rig_xml(rig)},
+    drawn_up=True,
+)

@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from rigsim.errors import InvalidRig
+from rigsim.interop.formats.format import Format
 from rigsim.interop.formats.opencv_yaml import coefficients
 from rigsim.interop.formats.values import (
     clipped,
@@ -151,3 +152,14 @@ def _camera(document: Mapping[str, object], frame: object, name: str) -> Intrins
         value("cy") - _HALF,
         opencv_distortion(np.array(terms), name),
     )
+
+
+FORMAT = Format(
+    "nerfstudio",
+    "Nerfstudio's frames",
+    (".json",),
+    FILE_NAME,
+    knows=lambda text: text.lstrip().startswith("{"),
+    parse=parse_transforms,
+    write=lambda rig: {FILE_NAME: transforms_json(rig)},
+)

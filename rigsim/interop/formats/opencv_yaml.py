@@ -7,6 +7,7 @@ camera's frame to the right one's, ``x_right = R x_left + T``; ``T`` in metres. 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -14,6 +15,7 @@ import numpy as np
 
 from rigsim.errors import InvalidRig
 from rigsim.interop.files.folder import write_file
+from rigsim.interop.formats.format import Format
 from rigsim.interop.formats.values import (
     lens,
     matrix,
@@ -133,3 +135,18 @@ def _matrix_text(name: str, M: Array) -> str:
         f"{name}: !!opencv-matrix\n   rows: {M.shape[0]}\n   cols: {M.shape[1]}\n   dt: d\n"
         f"   data: [ {rows} ]"
     )
+
+
+_A_KEY = re.compile(r"^\s*\w+\s*:", re.MULTILINE)
+
+FORMAT = Format(
+    "opencv",
+    "OpenCV's FileStorage, as its calibration and rectification samples write it",
+    (".yml", ".yaml"),
+    FILE_NAME,
+    knows=lambda text: text.startswith("%YAML") or _A_KEY.search(text) is not None,
+    parse=parse_opencv_yaml,
+    write=lambda rig: {FILE_NAME: opencv_yaml(rig)},
+    late=True,
+    otherwise=(".yml", ".yaml"),
+)

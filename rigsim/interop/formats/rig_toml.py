@@ -46,6 +46,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from rigsim import foreign
 from rigsim.errors import InvalidRig
+from rigsim.interop.formats.format import Format
 from rigsim.interop.formats.rig_schema import (
     LARGEST,
     perturbation_from_table,
@@ -255,3 +256,16 @@ def _millimetres(value_m: float) -> str:
     if "E" in text and abs(value_m) >= 1e-9:
         text = f"{Decimal(text):f}"
     return text if "." in text or "E" in text else f"{text}.0"
+
+
+FORMAT = Format(
+    "rig.toml",
+    "rigsim's own",
+    (".toml",),
+    "rig.toml",
+    knows=lambda text: True,
+    parse=parse_rig,
+    read=read_rig,
+    drawn_up=True,
+    late=True,
+)

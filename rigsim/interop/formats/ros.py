@@ -7,9 +7,13 @@ one's ``P[0,3] = -fx b`` (px m) and nowhere else, so that a rig that cannot be r
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import numpy as np
 
 from rigsim.errors import InvalidRig, MeasurementFailed
+from rigsim.interop.formats.format import Format
 from rigsim.interop.formats.opencv_yaml import coefficients
 from rigsim.interop.formats.values import (
     lens,
@@ -18,6 +22,7 @@ from rigsim.interop.formats.values import (
     numbers,
     opencv_distortion,
     pixels,
+    read_text,
     reals,
     rotation,
     shown,
@@ -160,3 +165,30 @@ def _camera(text: str, file: str) -> tuple[Intrinsics, Array, Array]:
         return camera, R, matrix(data("projection_matrix"), "projection_matrix", 3, 4)
     except InvalidRig as error:
         raise InvalidRig(f"{file}: {error}") from None
+
+
+_KNOWN = re.compile(r"^(camera_matrix|projection_matrix|distortion_model)\s*:", re.MULTILINE)
+
+
+def _read(path: Path) -> StereoRig:
+    if path.name not in FILE_NAMES:
+        raise InvalidRig(
+            f"{path}: camera_info of one camera; name both {' and '.join(FILE_NAMES)}, side by side"
+        )
+    left, right = (read_text(path.parent / name) for name in FILE_NAMES)
+    try:
+        return parse_camera_info(left, right)
+    except InvalidRig as error:
+        raise InvalidRig(f"{path.parent}: {error}") from None
+
+
+FORMAT = Format(
+    "ros",
+    "ROS's camera_info, a file a camera",
+    (".yml", ".yaml"),
+    FILE_NAMES[0],
+    knows=lambda text: _KNOWN.search(text) is not None,
+    read=_read,
+    names=FILE_NAMES,
+    write=lambda rig: dict(zip(FILE_NAMES, camera_info_yaml(rig), strict=True)),
+)
