@@ -16,8 +16,17 @@ BUILT = DOCS / "_build"
 
 def build() -> int:
     """Build the site; returns Sphinx's exit code."""
+    _forget_removed_examples()
     words = ["--fail-on-warning", "--keep-going", "--quiet", "--builder", "html"]
     return build_main([*words, "--doctree-dir", str(BUILT / "doctrees"), str(DOCS), str(BUILT / "html")])
+
+
+def _forget_removed_examples() -> None:
+    """Pages of examples that are gone would stand there without a way to them."""
+    kept = {path.stem for path in (DOCS / "gallery").glob("*.py")} | {"index"}
+    for path in (DOCS / "auto_gallery").glob("*.rst"):
+        if path.stem not in kept:
+            path.unlink()
 
 
 def serve(port: int) -> None:

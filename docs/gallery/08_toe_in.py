@@ -16,7 +16,7 @@ rays = np.column_stack([lens.normalize(np.column_stack([u.ravel(), v.ravel()])),
 z_m = np.linspace(0.3, 3, 60)
 
 for toe_in_deg in (0, 10, 20):
-    rig = rigsim.StereoRig.verged(lens, 0.2, np.radians(toe_in_deg))
+    rig = rigsim.StereoRig.verged(lens, 0.2, toe_in_deg)
     shared = [np.mean(lens.contains(rig.project(rays * z)[1])) for z in z_m]
     plt.plot(z_m, 100 * np.array(shared), label=f"{toe_in_deg}°")
 plt.xlabel("distance, m")

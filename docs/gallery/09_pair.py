@@ -16,8 +16,8 @@ with rigsim.Simulator("artifact") as simulator:
     frame = simulator.render()
 
 figure, axes = plt.subplots(1, 3, figsize=(12, 3.4), layout="constrained")
-axes[0].imshow(frame.left.image, cmap="gray")
-axes[1].imshow(frame.right.image, cmap="gray")
+axes[0].imshow(frame.left.image)
+axes[1].imshow(frame.right.image)
 depth = axes[2].imshow(frame.left.depth, cmap="viridis_r")
 figure.colorbar(depth, ax=axes[2], label="m")
 for panel, title in zip(axes, ("left", "right", "depth of the left image"), strict=True):

@@ -37,8 +37,8 @@ def read(path: Path) -> Page:
             commands += [line for line in body.splitlines() if line.startswith("./run ")]
             if next_kind == "text":
                 shown[commands[-1]] = next_body
-    names = re.findall(r"`(\w+\.\w+)`:?\n\n```(?:py|csv|xml|toml)\n", text)
-    bodies = [body for kind, body in blocks if kind in ("py", "csv", "xml", "toml")]
+    names = re.findall(r"`(\w+\.\w+)`:?\n\n```(?:py|none|xml|toml)\n", text)
+    bodies = [body for kind, body in blocks if kind in ("py", "none", "xml", "toml")]
     assert len(names) == len(bodies), f"{path.name}: a file to save without a name"
     return Page(path, commands, shown, dict(zip(names, bodies, strict=True)))
 
