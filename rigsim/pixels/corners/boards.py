@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rigsim.errors import InvalidImage, MeasurementFailed
+from rigsim.errors import InvalidImage
 from rigsim.pixels.corners import saddle
 from rigsim.pixels.corners.corners import HALF_WINDOW, Corners, fit_corners
 from rigsim.pixels.corners.lattice import fill, find_grids
@@ -51,19 +51,6 @@ class BoardCorners:
     """Whether the corner was fitted, (rows * cols,)."""
     polarity: int
     """1 when the square between the first corner and the one diagonally after it is bright, -1 when dark."""
-
-
-def find_board(image: AnyImage, rows: int, cols: int, *, name: str = "image") -> BoardCorners:
-    """The board of rows x cols inner corners that is found first.
-
-    Raises:
-        InvalidImage: the picture or the board's size cannot be used.
-        MeasurementFailed: no such board is in the picture, or OpenCV is not installed.
-    """
-    boards = find_boards(image, rows, cols, name=name, limit=1)
-    if not boards:
-        raise MeasurementFailed(not_found(name, [(rows, cols)]))
-    return boards[0]
 
 
 def find_boards(
