@@ -19,10 +19,10 @@ from benchmarks.subjects.checker_images import (
     cramer_rao_px,
     saddle_windows,
 )
-from benchmarks.subjects.corners import find_board, refine_corners
+from benchmarks.subjects.corners import find_board, find_boards, refine_corners
 from rigsim.errors import InvalidImage, MeasurementFailed
 from rigsim.pixels.corners import saddle
-from rigsim.pixels.corners.boards import canonical, find_boards, find_sizes, turns
+from rigsim.pixels.corners.boards import canonical, find_sizes, turns
 from rigsim.pixels.corners.lattice import fill, find_grids
 from rigsim.pixels.corners.pairing import BoardMatches, match_boards, match_sizes, pair_boards
 from rigsim.rig.intrinsics import Intrinsics

@@ -53,23 +53,18 @@ class BoardCorners:
     """1 when the square between the first corner and the one diagonally after it is bright, -1 when dark."""
 
 
-def find_boards(
-    image: AnyImage, rows: int, cols: int, *, name: str = "image", limit: int = 32
-) -> tuple[BoardCorners, ...]:
-    """All boards of rows x cols inner corners, at most `limit`, from left to right; none is no error.
-
-    Raises:
-        InvalidImage: the picture or the board's size cannot be used.
-        MeasurementFailed: no board was found at first sight, and OpenCV, which would look again, is not
-            installed.
-    """
-    return find_sizes(image, [(rows, cols)], name=name, limit=limit)
-
-
 def find_sizes(
     image: AnyImage, sizes: Sequence[tuple[int, int]], *, name: str = "image", limit: int = 32
 ) -> tuple[BoardCorners, ...]:
-    """`find_boards` of several sizes (rows, cols) at once, from left to right."""
+    """All boards of these sizes, (rows, cols) of inner corners, at most `limit`, from left to right.
+
+    None is no error.
+
+    Raises:
+        InvalidImage: the picture or a board's size cannot be used.
+        MeasurementFailed: no board was found at first sight, and OpenCV, which would look again, is not
+            installed.
+    """
     for rows, cols in sizes:
         for axis, count in (("rows", rows), ("columns", cols)):
             if count < 3:
