@@ -17,8 +17,9 @@ from benchmarks.subjects.checker_images import (
     cramer_rao_px,
     saddle_windows,
 )
+from benchmarks.subjects.corners import refine_corners
 from rigsim.pixels.corners import saddle
-from rigsim.pixels.corners.corners import fit_corners, refine_corners
+from rigsim.pixels.corners.corners import fit_corners
 from rigsim.pixels.corners.pairing import BoardMatches, match_sizes
 from rigsim.pixels.images import grey
 from rigsim.rig.arrays import Array

@@ -57,36 +57,6 @@ def depth_sensitivity(rig: StereoRig, points_left: npt.ArrayLike) -> dict[str, A
     return {name: result[name] for name in NAMES}
 
 
-def rectified_depth_sensitivity(rig: StereoRig, points_left: npt.ArrayLike) -> dict[str, Array]:
-    """The same in closed form for rectified rigs, to read: x and y are the right camera's ``X/Z``, ``Y/Z``.
-
-    Raises:
-        InvalidRig: the rig is not rectified.
-    """
-    if not rig.is_rectified:
-        raise InvalidRig("rectified sensitivities: the rig is not rectified: use depth_sensitivity")
-    points = np.asarray(points_left, dtype=np.float64)
-    B, f = rig.baseline_m, rig.right.fx
-    with np.errstate(all="ignore"):
-        X, Y, Z = np.where(points[:, 2] > 0, points.T, np.nan)
-        x, x_left, y = (X - B) / Z, X / Z, Y / Z
-        per_angle = Z**2 / B
-        r2, r2_left = x**2 + y**2, x_left**2 + y**2
-    result = {
-        "yaw_rad": -per_angle * (1 + x**2),
-        "pitch_rad": per_angle * x * y,
-        "roll_rad": per_angle * y,
-        "baseline_m": -Z / B,
-        "axial_m": Z * x / B,
-        "vertical_m": 0 * Z,
-        "right_focal_px": per_angle * x / f,
-        "right_cx_px": per_angle / f,
-        "right_k1": per_angle * x * r2,
-        "both_k1": per_angle * (x * r2 - x_left * r2_left),
-    }
-    return {name: result[name] for name in NAMES}
-
-
 def _k1_motion(camera: Intrinsics, points_camera: Array) -> Array:
     """Derivative (N, 2) px of the projection in k1, ``f x r^2``."""
     ideal = Intrinsics(1, 1, 1.0, 1.0, 0.0, 0.0).project(points_camera)

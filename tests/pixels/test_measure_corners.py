@@ -19,10 +19,10 @@ from benchmarks.subjects.checker_images import (
     cramer_rao_px,
     saddle_windows,
 )
+from benchmarks.subjects.corners import find_board, find_boards, refine_corners
 from rigsim.errors import InvalidImage, MeasurementFailed
 from rigsim.pixels.corners import saddle
-from rigsim.pixels.corners.boards import canonical, find_board, find_boards, find_sizes, turns
-from rigsim.pixels.corners.corners import refine_corners
+from rigsim.pixels.corners.boards import canonical, find_sizes, turns
 from rigsim.pixels.corners.lattice import fill, find_grids
 from rigsim.pixels.corners.pairing import BoardMatches, match_boards, match_sizes, pair_boards
 from rigsim.rig.intrinsics import Intrinsics
@@ -452,8 +452,8 @@ class TestBadInput:
             match_boards(pair[0], empty, ROWS, COLS)
         with pytest.raises(MeasurementFailed, match=r"^left image: no checker board of 4 x 5"):
             match_boards(empty, pair[1], ROWS, COLS)
-        with pytest.raises(MeasurementFailed, match=r"^photo.png: no checker board of 6 x 9"):
-            find_board(pair[0], 6, 9, name="photo.png")
+        with pytest.raises(MeasurementFailed, match=r"^left image: no checker board of 6 x 9"):
+            match_boards(pair[0], pair[1], 6, 9)
 
     @pytest.mark.parametrize(
         ("image", "message"),
@@ -479,11 +479,9 @@ class TestBadInput:
         with pytest.raises(InvalidImage, match="left image 399 x 240 px: the rig says 400 x 240"):
             match_boards(pair[0][:, 1:], pair[1][:, 1:], ROWS, COLS, rig=scene.rig)
 
-    def test_boards_and_windows_have_a_least_size(self, pair: tuple[np.ndarray, np.ndarray]) -> None:
+    def test_boards_have_a_least_size(self, pair: tuple[np.ndarray, np.ndarray]) -> None:
         with pytest.raises(InvalidImage, match="board of 2 rows of inner corners: must be >= 3"):
-            find_board(pair[0], 2, 5)
-        with pytest.raises(InvalidImage, match="half width 1 px: must be >= 2"):
-            refine_corners(pair[0], [[5.0, 5.0]], half_window=1)
+            find_boards(pair[0], 2, 5)
 
     def test_without_opencv_the_line_that_installs_it(
         self, monkeypatch: pytest.MonkeyPatch, pair: tuple[np.ndarray, np.ndarray]
@@ -491,7 +489,7 @@ class TestBadInput:
         monkeypatch.setitem(sys.modules, "cv2", None)
         assert find_board(pair[0], ROWS, COLS).valid.all()
         with pytest.raises(MeasurementFailed, match=r"pip install 'rigsim\[vision\]'"):
-            find_board(pair[0], 6, 9)
+            find_boards(pair[0], 6, 9)
 
 
 def test_distorted_corners_pair_with_a_distorted_rig(pair: tuple[np.ndarray, np.ndarray]) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from rigsim.errors import InvalidImage, InvalidRange, MeasurementFailed
-from rigsim.pixels.dense.dense import dense_disparity, disparity_search
+from rigsim.pixels.dense.dense import dense_disparity
 from rigsim.pixels.dense.metrics import disparity_errors
 from rigsim.pixels.dense.pfm import pfm_bytes
 from rigsim.pixels.reading import read_image
@@ -111,17 +111,6 @@ def test_deeper_pictures_and_colour_give_the_same(pair: Pair, images: tuple[np.n
     assert disparity_errors(dense_disparity(*deep, pair.rig, disparity_range=RANGE), plain).bad_1_pct < 1
     same = dense_disparity(*colour, pair.rig, disparity_range=RANGE)
     assert np.array_equal(same, plain, equal_nan=True)
-
-
-def test_disparity_search_is_the_depth_range() -> None:
-    rig = StereoRig.rectified(
-        Intrinsics.from_focal(640, 480, 500.0), 0.1, right=Intrinsics.from_focal(640, 480, 500.0, cx=324.5)
-    )
-    # f b / Z - doffs: 50 / 2 - 5 and 50 / 0.5 - 5
-    assert disparity_search(rig, 0.5, 2.0) == pytest.approx((20.0, 95.0))
-    assert disparity_search(rig, 0.5) == pytest.approx((-5.0, 95.0))
-    with pytest.raises(InvalidRange, match="2000 to 500 mm"):
-        disparity_search(rig, 2.0, 0.5)
 
 
 # --- a user's function --------------------------------------------------------------------------

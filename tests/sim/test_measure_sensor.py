@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.subjects.checker_images import board_corners, board_homography, board_image
+from benchmarks.subjects.corners import refine_corners
 from rigsim.errors import InvalidImage, InvalidRig
-from rigsim.pixels.corners.corners import refine_corners
 from rigsim.rig.catalogue.sensors import SENSORS, sensor_preset
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.distortion import BrownConrady

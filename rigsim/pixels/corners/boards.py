@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rigsim.errors import InvalidImage, MeasurementFailed
+from rigsim.errors import InvalidImage
 from rigsim.pixels.corners import saddle
 from rigsim.pixels.corners.corners import HALF_WINDOW, Corners, fit_corners
 from rigsim.pixels.corners.lattice import fill, find_grids
@@ -53,36 +53,18 @@ class BoardCorners:
     """1 when the square between the first corner and the one diagonally after it is bright, -1 when dark."""
 
 
-def find_board(image: AnyImage, rows: int, cols: int, *, name: str = "image") -> BoardCorners:
-    """The board of rows x cols inner corners that is found first.
-
-    Raises:
-        InvalidImage: the picture or the board's size cannot be used.
-        MeasurementFailed: no such board is in the picture, or OpenCV is not installed.
-    """
-    boards = find_boards(image, rows, cols, name=name, limit=1)
-    if not boards:
-        raise MeasurementFailed(not_found(name, [(rows, cols)]))
-    return boards[0]
-
-
-def find_boards(
-    image: AnyImage, rows: int, cols: int, *, name: str = "image", limit: int = 32
-) -> tuple[BoardCorners, ...]:
-    """All boards of rows x cols inner corners, at most `limit`, from left to right; none is no error.
-
-    Raises:
-        InvalidImage: the picture or the board's size cannot be used.
-        MeasurementFailed: no board was found at first sight, and OpenCV, which would look again, is not
-            installed.
-    """
-    return find_sizes(image, [(rows, cols)], name=name, limit=limit)
-
-
 def find_sizes(
     image: AnyImage, sizes: Sequence[tuple[int, int]], *, name: str = "image", limit: int = 32
 ) -> tuple[BoardCorners, ...]:
-    """`find_boards` of several sizes (rows, cols) at once, from left to right."""
+    """All boards of these sizes, (rows, cols) of inner corners, at most `limit`, from left to right.
+
+    None is no error.
+
+    Raises:
+        InvalidImage: the picture or a board's size cannot be used.
+        MeasurementFailed: no board was found at first sight, and OpenCV, which would look again, is not
+            installed.
+    """
     for rows, cols in sizes:
         for axis, count in (("rows", rows), ("columns", cols)):
             if count < 3:

@@ -7,10 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rigsim.errors import InvalidImage
 from rigsim.pixels.corners import saddle
-from rigsim.pixels.images import grey, quantization_var
-from rigsim.rig.arrays import AnyImage, Array, Mask
+from rigsim.rig.arrays import Array, Mask
 
 HALF_WINDOW = 5
 """Half width of a window, px: 11 x 11 pixels."""
@@ -41,37 +39,6 @@ class Corners:
     """Noise of the pixels around the corner (N,), grey levels; NaN where the fit failed."""
 
 
-def refine_corners(
-    image: AnyImage,
-    uv_initial: npt.ArrayLike,
-    *,
-    half_window: int = HALF_WINDOW,
-    steps: Array | None = None,
-    name: str = "image",
-) -> Corners:
-    """Fit corners near given positions, all at once.
-
-    The covariance is the residuals' variance times the inverse of J^T J. The variance is at least that of
-    rounding to whole grey levels, and more when the residuals gather where the position is read off (the
-    picture is not quite a blurred corner) or when neighbouring ones agree (the picture was interpolated).
-
-    Args:
-        image: (H, W) or (H, W, 3).
-        uv_initial: Where to look (N, 2), px, good to about 1.5 px.
-        half_window: The window has 2 half_window + 1 pixels a side.
-        steps: To the next corner along the columns and along the rows (N, 2, 2), px: keeps the window
-            clear of the neighbouring squares. None: the window must hold no other corner's edges.
-        name: What to call the image in an error.
-
-    Raises:
-        InvalidImage: see `rigsim.pixels.images.grey`.
-    """
-    if half_window < 2:
-        raise InvalidImage(f"corner window of half width {half_window} px: must be >= 2")
-    start = np.asarray(uv_initial, dtype=np.float64).reshape(-1, 2)
-    return fit_corners(grey(image, name), quantization_var(image), start, half_window, steps)[0]
-
-
 @dataclass(frozen=True, slots=True)
 class _Fitted:
     uv: Array
@@ -87,8 +54,20 @@ class _Fitted:
 def fit_corners(
     levels: Array, floor: float, start: Array, half: int, steps: Array | None
 ) -> tuple[Corners, Array]:
-    """`refine_corners` of grey levels (H, W) whose rounding adds a variance of `floor`; also all seven
-    parameters (N, 7) of `rigsim.pixels.corners.saddle`."""
+    """Fit corners near given positions, all at once; also all parameters (N, 7) of the saddles.
+
+    The covariance is the residuals' variance times the inverse of J^T J. The variance is at least that of
+    rounding to whole grey levels, and more when the residuals gather where the position is read off (the
+    picture is not quite a blurred corner) or when neighbouring ones agree (the picture was interpolated).
+
+    Args:
+        levels: grey levels (H, W).
+        floor: variance that their rounding adds.
+        start: where to look (N, 2), px, good to about 1.5 px.
+        half: the window has 2 half + 1 pixels a side.
+        steps: to the next corner along the columns and along the rows (N, 2, 2), px: keeps the window
+            clear of the neighbouring squares. None: the window must hold no other corner's edges.
+    """
     reach = np.full(len(start), _FIRST_BLUR)
     fitted = _fit(levels, start, half, steps, reach)
     if steps is not None and fitted.valid.any():

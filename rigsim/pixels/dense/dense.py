@@ -83,18 +83,6 @@ def dense_disparity(
     return _checked(found, left.shape, matcher)
 
 
-def disparity_search(rig: StereoRig, near_m: float, far_m: float = math.inf) -> tuple[float, float]:
-    """Disparities of a rectified rig between two depths, px: ``fx b / Z - doffs``.
-
-    Raises:
-        InvalidRange: the depths are not positive and rising.
-    """
-    if not 0 < near_m < far_m:
-        raise InvalidRange(f"depths {near_m * 1e3:g} to {far_m * 1e3:g} mm: must be > 0 and rise")
-    focal_baseline = rig.left.fx * rig.baseline_m
-    return focal_baseline / far_m - rig.doffs_px, focal_baseline / near_m - rig.doffs_px
-
-
 def _search(rig: StereoRig, disparity_range: tuple[float, float] | None) -> tuple[int, int]:
     """First disparity and their count, a multiple of 16."""
     if disparity_range is None:
