@@ -255,7 +255,7 @@ def design_document(
     tolerance: Held | None,
     outcome: Callable[[Proof], str],
 ) -> dict[str, Any]:
-    """The whole answer, as docs/reference/design.md says; `outcome` says how a rig was verified or why not."""
+    """The answer, as docs/reference/design.md says; `outcome` says how a rig was verified or why not."""
     pick = recommended(design, proofs)
     spec = design.specification
     return DesignDocument(
