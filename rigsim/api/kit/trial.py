@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 
 from rigsim.api.kit.rendering import NO_OPENCV
 from rigsim.api.kit.sensors import TYPICAL_NOISE_GREY, SensorOptions, sensor_labels
+from rigsim.rig.catalogue.sensors import sensor_preset
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.remark import Remark
-from rigsim.rig.catalogue.sensors import sensor_preset
 from rigsim.study.design.proof import Proof, prove, settle_and_prove
 from rigsim.study.design.room import Fitting, Room
 from rigsim.study.design.solve import Design, Specification, solve
