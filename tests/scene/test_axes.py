@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -115,3 +116,18 @@ def test_axes_have_names_columns_and_options_of_their_own() -> None:
         assert axis.instead_of == "" or axis.instead_of in registry.BY_NAME
     with pytest.raises(InvalidRange, match="axis 'snr': must be one of"):
         RigGrid(StereoRig.rectified(Intrinsics.from_hfov(64, 48, 60), 0.1), more={"snr": [1.0]})
+
+
+def test_a_column_is_named_in_one_file() -> None:
+    words = {"scene", "triangulator", "sensor", "agreement", "nees"}  # of the language, too
+    names = set(columns.COLUMNS) - words
+    found: dict[str, set[str]] = {}
+    for room in ("study/scene", "study/sweep", "study/agreement", "present/sweep", "interop/files/tables.py"):
+        place = ROOT / "rigsim" / room
+        for path in [place] if place.is_file() else place.rglob("*.py"):
+            strings = set(re.findall(r'"(\w+)"', path.read_text(encoding="utf-8")))
+            for name in strings & names:
+                found.setdefault(name, set()).add(path.name)
+    typed = {name: sorted(files) for name, files in found.items() if name not in ("n_points", "n_trials")}
+    assert {name: files for name, files in typed.items() if len(files) > 1} == {}
+    assert set(typed) == names - {"n_points", "n_trials"}

@@ -12,6 +12,7 @@ from rigsim.present.kit.console import column_widths, make_console, paragraph, p
 from rigsim.present.kit.format import count, number, percent, ratio
 from rigsim.study.agreement.agreement import flagged as flagged_rows
 from rigsim.study.agreement.agreement import kinds
+from rigsim.study.scene import columns as col
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -94,10 +95,10 @@ def _sweep_columns(
     agreement = tuple(kinds(best))
     return [
         *columns,
-        _Column("simulated\nRMS, mm", tuple(map(number, best["depth_rmse_mm"])), True, 9),
-        _Column("predicted\nRMS, mm", tuple(map(number, best["predicted_depth_rmse_mm"])), True, 5),
-        _Column("predicted/\nsimulated", tuple(map(ratio, best["predicted_over_simulated"])), True, 3),
-        _Column("seen by\nboth, %", tuple(map(percent, best["visible_fraction"])), True, 2),
+        _Column("simulated\nRMS, mm", tuple(map(number, best[col.DEPTH_RMSE])), True, 9),
+        _Column("predicted\nRMS, mm", tuple(map(number, best[col.PREDICTED_DEPTH_RMSE])), True, 5),
+        _Column("predicted/\nsimulated", tuple(map(ratio, best[col.PREDICTED_OVER_SIMULATED])), True, 3),
+        _Column("seen by\nboth, %", tuple(map(percent, best[col.VISIBLE_FRACTION])), True, 2),
         _Column("limited by", tuple(result.limits[place] for place in places), False, 4),
         *_measured_columns(best),
         _Column("agreement", agreement, False, 9),
@@ -111,8 +112,8 @@ def _measured_columns(best: pd.DataFrame) -> list[_Column]:
     if not was_measured(best):
         return []
     return [
-        _Column("measured\nRMS, mm", tuple(map(number, best["measured_depth_rmse_mm"])), True, 8),
-        _Column("measured/\npredicted", tuple(map(ratio, best["measured_over_predicted"])), True, 7),
+        _Column("measured\nRMS, mm", tuple(map(number, best[col.MEASURED_DEPTH_RMSE])), True, 8),
+        _Column("measured/\npredicted", tuple(map(ratio, best[col.MEASURED_OVER_PREDICTED])), True, 7),
     ]
 
 
@@ -139,7 +140,7 @@ def _print_flags(result: SweepResult, console: Console, axes: list[Axis]) -> Non
     for record in flagged.head(_MOST_REASONS).to_dict("records"):
         row: dict[Any, Any] = record
         where = ", ".join(f"{axis.heading} {axis.say(row[axis.column])}" for axis in axes)
-        why = reason(row["agreement"])
+        why = reason(row[col.AGREEMENT])
         paragraph(console, f"{where}: {why}" if where else why, "  ")
     if len(flagged) > _MOST_REASONS:
         say(console, f"  and {count(len(flagged) - _MOST_REASONS)} more, listed in the report")

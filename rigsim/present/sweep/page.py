@@ -19,6 +19,7 @@ from rigsim.present.sweep.same import same_words
 from rigsim.present.sweep.witness_table import witness_table
 from rigsim.present.sweep.words import growth_words, verdict
 from rigsim.study.agreement.agreement import flagged
+from rigsim.study.scene import columns as col
 from rigsim.study.sweep.comparison import row_of_bins
 from rigsim.study.sweep.growth import growth_of
 from rigsim.study.sweep.result import SweepResult
@@ -78,15 +79,15 @@ def report_html(result: SweepResult, plan: Figure | None = None) -> str:
         n_flagged=int(flagged(result.rows).sum()),
         measured=was_measured(result.rows),
         method=method_words(best),
-        scene=best["scene"],
-        n_trials=count(best["n_trials"]),
+        scene=best[col.SCENE],
+        n_trials=count(best[col.N_TRIALS]),
         command=command,
         provenance=provenance,
     )
 
 
 def _title(result: SweepResult, axes: list[Axis]) -> str:
-    scene = best_row(result)["scene"]
+    scene = best_row(result)[col.SCENE]
     names = [axis.heading for axis in axes]
     what = " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
     return f"Sweep of {what} in {scene}" if what else f"One stereo rig in {scene}"

@@ -13,6 +13,7 @@ from rigsim.rig.arrays import Array
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.sensor import Sensor
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.scene import columns as col
 from rigsim.study.sweep.result import SweepResult
 
 Entry: TypeAlias = tuple[str, str, str, str]
@@ -24,12 +25,12 @@ def rig_table(result: SweepResult) -> Table:
     show, row = result.showcase, result.rows.iloc[result.showcase.row]
     entries = [
         *_geometry(show.rig),
-        *_noise(show.noise, str(row["triangulator"])),
+        *_noise(show.noise, str(row[col.TRIANGULATOR])),
         *_depths(show.rig, show.points_left[show.visible, 2]),
     ]
-    sample = f"{count(row['n_points'])} × {count(row['n_trials'])}"
+    sample = f"{count(row[col.N_POINTS])} × {count(row[col.N_TRIALS])}"
     entries.append(("Sample", sample, "", "truth points × noisy trials of each"))
-    entries += sensor_entries(show.sensor, str(row["sensor"]))
+    entries += sensor_entries(show.sensor, str(row[col.SENSOR]))
     headings = (("Parameter", ""), ("Value", ""), ("Unit", ""), ("Meaning", ""))
     return Table(headings, (False, True, False, False), tuple(Row(entry) for entry in entries))
 

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from rigsim.present.sweep.phrases import distances
+from rigsim.study.scene import columns as col
 from rigsim.study.sweep.comparison import Comparison, compare
 from rigsim.study.sweep.result import SweepResult
 
@@ -23,13 +24,14 @@ def at_same_distances(result: SweepResult) -> pd.DataFrame:
     found = comparison_of(result)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = found.predicted_mm / found.simulated_mm
-    return result.rows.assign(
-        depth_rmse_mm=found.simulated_mm,
-        depth_rmse_ci_low_mm=found.ci_low_mm,
-        depth_rmse_ci_high_mm=found.ci_high_mm,
-        predicted_depth_rmse_mm=found.predicted_mm,
-        predicted_over_simulated=np.where(np.isfinite(ratio) & (ratio > 0), ratio, np.nan),
-    )
+    same = {
+        col.DEPTH_RMSE: found.simulated_mm,
+        col.DEPTH_RMSE_CI_LOW: found.ci_low_mm,
+        col.DEPTH_RMSE_CI_HIGH: found.ci_high_mm,
+        col.PREDICTED_DEPTH_RMSE: found.predicted_mm,
+        col.PREDICTED_OVER_SIMULATED: np.where(np.isfinite(ratio) & (ratio > 0), ratio, np.nan),
+    }
+    return result.rows.assign(**same)
 
 
 def same_words(result: SweepResult) -> str:
@@ -37,7 +39,7 @@ def same_words(result: SweepResult) -> str:
     found = comparison_of(result)
     if not found.spans_mm:
         return ""
-    missing = int((result.rows["depth_rmse_mm"].notna() & ~found.compared).sum())
+    missing = int((result.rows[col.DEPTH_RMSE].notna() & ~found.compared).sum())
     rows = "row does" if missing == 1 else "rows do"
     return f"at {distances(found.spans_mm)}, per pixel" + (
         f"; {missing} {rows} not answer that" if missing else ""

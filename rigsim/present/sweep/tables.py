@@ -16,6 +16,7 @@ from rigsim.present.sweep.column_words import COLUMNS, Column
 from rigsim.present.sweep.measured_words import was_measured
 from rigsim.present.sweep.plots.axes import swept_axes
 from rigsim.present.sweep.same import comparison_of
+from rigsim.study.scene import columns as col
 from rigsim.study.sweep.comparison import row_of_bins
 from rigsim.study.sweep.result import SweepResult
 
@@ -23,21 +24,21 @@ MOST_ROWS = 200
 """Rows of the table of all rows; of more, the best ones are shown."""
 
 _SIMULATED: dict[str, str] = {
-    "depth_rmse_mm": "RMS",
+    col.DEPTH_RMSE: "RMS",
     "interval": "95 % interval",
-    "predicted_depth_rmse_mm": "predicted",
-    "predicted_over_simulated": "ratio",
+    col.PREDICTED_DEPTH_RMSE: "predicted",
+    col.PREDICTED_OVER_SIMULATED: "ratio",
 }
 _MEASURED: dict[str, str] = {
-    "measured_depth_rmse_mm": "RMS",
-    "predicted_from_measured_rmse_mm": "predicted",
-    "measured_over_predicted": "ratio",
-    "measured_n": "points",
-    "measured_outlier_fraction": "outliers",
+    col.MEASURED_DEPTH_RMSE: "RMS",
+    col.PREDICTED_FROM_MEASURED_RMSE: "predicted",
+    col.MEASURED_OVER_PREDICTED: "ratio",
+    col.MEASURED_N: "points",
+    col.MEASURED_OUTLIER_FRACTION: "outliers",
 }
 _OF: dict[str, str] = {
-    "predicted_over_simulated": "pred. / sim.",
-    "measured_over_predicted": "meas. / pred.",
+    col.PREDICTED_OVER_SIMULATED: "pred. / sim.",
+    col.MEASURED_OVER_PREDICTED: "meas. / pred.",
 }
 """What is divided by what, where the heading is short."""
 _GROUPS: tuple[tuple[str, dict[str, str]], ...] = (
@@ -108,7 +109,7 @@ def best_by_depth(result: SweepResult) -> Table:
     """The best configuration, one row a bin of depth."""
     place = result.best[0] if result.best else result.showcase.row
     table = result.by_depth[row_of_bins(result.rows, result.by_depth) == place]
-    names = ("depth_near_mm", "depth_far_mm", "n_points")
+    names = (col.DEPTH_NEAR, col.DEPTH_FAR, col.N_POINTS)
     columns = (*(_of(COLUMNS[name]) for name in names), *_error_columns(table), _AGREEMENT)
     return _table(columns, table, [False] * len(table))
 
@@ -131,14 +132,14 @@ def _error_columns(table: pd.DataFrame) -> list[_Shown]:
 
     With a third witness the columns stand in groups, and what a page has no room for stands in the files.
     """
-    nil = [name for name in ("low_disparity_fraction", "failed_fraction") if not (table[name] > 0).any()]
-    rest = ["visible_fraction", "low_disparity_fraction", "failed_fraction"]
+    nil = [name for name in (col.LOW_DISPARITY_FRACTION, col.FAILED_FRACTION) if not (table[name] > 0).any()]
+    rest = [col.VISIBLE_FRACTION, col.LOW_DISPARITY_FRACTION, col.FAILED_FRACTION]
     if was_measured(table):
         columns = [replace(_named(name), heading=head) for _, part in _GROUPS for name, head in part.items()]
         columns = [replace(column, unit=_OF.get(column.name, column.unit)) for column in columns]
     else:
         columns = [_named(name) for name in _SIMULATED]
-        rest = ["depth_abs_p95_mm", "depth_bias_mm", "depth_rmse_pct", "nees", *rest]
+        rest = [col.DEPTH_ABS_P95, col.DEPTH_BIAS, col.DEPTH_RMSE_PCT, col.NEES, *rest]
     return columns + [_named(name) for name in rest if name not in nil]
 
 
@@ -161,7 +162,7 @@ def _table(columns: Sequence[_Shown], table: pd.DataFrame, best: list[bool], not
                 _interval(record) if column.name == _INTERVAL.name else column.show(record[column.name])
                 for column in columns
             ),
-            record["agreement"].kind == "flagged",
+            record[col.AGREEMENT].kind == "flagged",
             is_best,
         )
         for record, is_best in zip(table.to_dict("records"), best, strict=True)
@@ -171,9 +172,9 @@ def _table(columns: Sequence[_Shown], table: pd.DataFrame, best: list[bool], not
 
 
 def _interval(record: dict[Any, Any]) -> str:
-    low, high = record["depth_rmse_ci_low_mm"], record["depth_rmse_ci_high_mm"]
+    low, high = record[col.DEPTH_RMSE_CI_LOW], record[col.DEPTH_RMSE_CI_HIGH]
     return f"{number(low)} – {number(high)}" if np.isfinite(low) and np.isfinite(high) else number(np.nan)
 
 
-_AGREEMENT = replace(_of(COLUMNS["agreement"]), show=text)
+_AGREEMENT = replace(_of(COLUMNS[col.AGREEMENT]), show=text)
 _INTERVAL = _Shown("95 % interval", "mm", "interval", str)

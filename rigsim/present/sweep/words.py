@@ -13,6 +13,7 @@ from rigsim.present.kit.agreement import fault as fault
 from rigsim.present.kit.agreement import spelled as spelled
 from rigsim.present.sweep.phrases import describe, distances, mm, percent, say
 from rigsim.study.agreement.agreement import kinds as kinds_of
+from rigsim.study.scene import columns as col
 from rigsim.study.scene.plan import Held
 from rigsim.study.sweep.choice import choice, trend
 from rigsim.study.sweep.comparison import WELL_COVERED, row_of_bins
@@ -132,20 +133,20 @@ def growth_words(found: Growth | None) -> str:
 
 
 def _headline(row: pd.Series, bins: pd.DataFrame) -> str:
-    middle = bins[bins["depth_far_mm"] >= row["depth_median_mm"]].iloc[0]
+    middle = bins[bins[col.DEPTH_FAR] >= row[col.DEPTH_MEDIAN]].iloc[0]
     ending = {
         "agrees": "and in agreement",
-        "flagged": f"and {agreement.text(row['agreement'])}",
+        "flagged": f"and {agreement.text(row[col.AGREEMENT])}",
         # what is untold of the pictures leaves the simulation as it is
         "untold": "and in agreement"
-        if row["agreement"].witness == "measured"
+        if row[col.AGREEMENT].witness == "measured"
         else "with too little to tell whether they agree",
-    }[row["agreement"].kind]
+    }[row[col.AGREEMENT].kind]
     return (
-        f"At {_depths(middle)}, {row['baseline_mm']:.4g} mm of baseline gives "
-        f"{mm(middle['depth_rmse_mm'])} RMS depth error; "
-        f"predicted {mm(middle['predicted_depth_rmse_mm'])}; "
-        f"simulated on {row['n_visible']:.0f} points of `{row['scene']}`, {ending}."
+        f"At {_depths(middle)}, {row[col.BASELINE]:.4g} mm of baseline gives "
+        f"{mm(middle[col.DEPTH_RMSE])} RMS depth error; "
+        f"predicted {mm(middle[col.PREDICTED_DEPTH_RMSE])}; "
+        f"simulated on {row[col.N_VISIBLE]:.0f} points of `{row[col.SCENE]}`, {ending}."
     )
 
 
@@ -155,14 +156,14 @@ def _far_end(bins: pd.DataFrame) -> list[str]:
     last = bins.iloc[-1]
     growth = growth_words(growth_of(bins))
     return [
-        f"At the far end, {_depths(last)}, the same rig gives {mm(last['depth_rmse_mm'])} RMS "
-        f"(predicted {mm(last['predicted_depth_rmse_mm'])})" + (f": {growth}." if growth else ".")
+        f"At the far end, {_depths(last)}, the same rig gives {mm(last[col.DEPTH_RMSE])} RMS "
+        f"(predicted {mm(last[col.PREDICTED_DEPTH_RMSE])})" + (f": {growth}." if growth else ".")
     ]
 
 
 def _averages(row: pd.Series) -> list[str]:
     """Both averages over what the row answers: they differ where near things fill the image."""
-    pixels, balanced = row["depth_rmse_image_mm"], row["depth_rmse_mm"]
+    pixels, balanced = row[col.DEPTH_RMSE_IMAGE], row[col.DEPTH_RMSE]
     if not pixels > 0:
         return []
     return [
@@ -173,20 +174,20 @@ def _averages(row: pd.Series) -> list[str]:
 
 def _bins(place: int, rows: pd.DataFrame, by_depth: pd.DataFrame) -> pd.DataFrame:
     """The depth bins of one row that hold a result, near to far."""
-    return by_depth[(row_of_bins(rows, by_depth) == place) & by_depth["depth_rmse_mm"].notna()]
+    return by_depth[(row_of_bins(rows, by_depth) == place) & by_depth[col.DEPTH_RMSE].notna()]
 
 
 def _depths(row: pd.Series) -> str:
-    return f"{row['depth_near_mm'] / 1e3:.3g} to {row['depth_far_mm'] / 1e3:.3g} m"
+    return f"{row[col.DEPTH_NEAR] / 1e3:.3g} to {row[col.DEPTH_FAR] / 1e3:.3g} m"
 
 
 def _agreement(rows: pd.DataFrame) -> list[str]:
     """How many rows agree, how many are flagged and why, and how many cannot tell and why."""
     kinds = kinds_of(rows)
-    of_pictures = np.array([one.witness == "measured" for one in rows["agreement"]], dtype=bool)
-    measured = bool((rows["measured_n"] > 0).any())
+    of_pictures = np.array([one.witness == "measured" for one in rows[col.AGREEMENT]], dtype=bool)
+    measured = bool((rows[col.MEASURED_N] > 0).any())
     who = "Prediction, simulation and measurement" if measured else "Prediction and simulation"
-    ratio = rows["predicted_over_simulated"].dropna()
+    ratio = rows[col.PREDICTED_OVER_SIMULATED].dropna()
     ends = dict.fromkeys(f"{end:.3f}" for end in (ratio.min(), ratio.max())) if len(ratio) else {}
     span = f" (predicted over simulated {' to '.join(ends)})" if ends else ""
     n, n_agrees = len(rows), int((kinds == "agrees").sum())
@@ -217,25 +218,25 @@ def _agreement(rows: pd.DataFrame) -> list[str]:
 
 def _commonest(rows: pd.DataFrame) -> str:
     """The commonest reason among rows, and whether there are others."""
-    reasons = rows["agreement"].map(agreement.reason).value_counts()
+    reasons = rows[col.AGREEMENT].map(agreement.reason).value_counts()
     return str(reasons.index[0]) + (" (and others)" if len(reasons) > 1 else "")
 
 
 def _measured(row: pd.Series) -> list[str]:
     """The third witness, and the noise level it stands for."""
-    if not row["measured_n"] > 0:
+    if not row[col.MEASURED_N] > 0:
         return []
-    noise_px = row["measured_disparity_std_px"] / 2**0.5
+    noise_px = row[col.MEASURED_DISPARITY_STD] / 2**0.5
     return [
-        f"Measured in the pictures ({int(row['measured_n'])} {row['measured_method']}, sensor "
-        f"`{row['sensor']}`): {mm(row['measured_depth_rmse_mm'])} RMS depth error, where the accuracy they "
-        f"claim predicts {mm(row['predicted_from_measured_rmse_mm'])}; their disparity noise of "
-        f"{row['measured_disparity_std_px']:.2g} px corresponds to `--noise {noise_px:.2g}`."
+        f"Measured in the pictures ({int(row[col.MEASURED_N])} {row[col.MEASURED_METHOD]}, sensor "
+        f"`{row[col.SENSOR]}`): {mm(row[col.MEASURED_DEPTH_RMSE])} RMS depth error, where the accuracy they "
+        f"claim predicts {mm(row[col.PREDICTED_FROM_MEASURED_RMSE])}; their disparity noise of "
+        f"{row[col.MEASURED_DISPARITY_STD]:.2g} px corresponds to `--noise {noise_px:.2g}`."
     ]
 
 
 def _coverage(rows: pd.DataFrame, swept: tuple[str, ...]) -> list[str]:
-    coverage = rows["visible_fraction"]
+    coverage = rows[col.VISIBLE_FRACTION]
     poor = coverage < WELL_COVERED * coverage.max()
     if not poor.any():
         least = percent(coverage.min())
@@ -243,19 +244,19 @@ def _coverage(rows: pd.DataFrame, swept: tuple[str, ...]) -> list[str]:
     worst = rows.loc[coverage.idxmin()]
     return [
         f"The cameras share least at {describe(worst, swept) or 'this rig'}: both see only "
-        f"{percent(worst['visible_fraction'])} of the left image's pixels that show the scene, "
+        f"{percent(worst[col.VISIBLE_FRACTION])} of the left image's pixels that show the scene, "
         f"against {percent(coverage.max())} at best; rows under {percent(WELL_COVERED)} of the best "
         "coverage are not called best."
     ]
 
 
 def _low_disparity(row: pd.Series) -> list[str]:
-    if not row["low_disparity_fraction"] > 0:
+    if not row[col.LOW_DISPARITY_FRACTION] > 0:
         return []
-    share = percent(row["low_disparity_fraction"])
+    share = percent(row[col.LOW_DISPARITY_FRACTION])
     return [
         f"At the best rig {share} of the pixels that both cameras see have a depth under "
         f"{LEAST_DEPTH_SIGMAS:g} of its own standard deviations; they are kept out of the RMS of depth. The "
-        f"RMS error of their 1/Z is {row['far_inverse_depth_rmse_per_m']:.3g} per metre, "
-        f"predicted {row['predicted_far_inverse_depth_rmse_per_m']:.3g}."
+        f"RMS error of their 1/Z is {row[col.FAR_INVERSE_DEPTH_RMSE]:.3g} per metre, "
+        f"predicted {row[col.PREDICTED_FAR_INVERSE_DEPTH_RMSE]:.3g}."
     ]

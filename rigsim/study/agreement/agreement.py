@@ -12,6 +12,7 @@ import pandas as pd
 
 from rigsim.rig.arrays import Mask
 from rigsim.study.agreement.fault import Fault
+from rigsim.study.scene import columns as col
 
 Kind: TypeAlias = Literal["agrees", "flagged", "untold"]
 Witness: TypeAlias = Literal["simulated", "measured", ""]
@@ -95,18 +96,18 @@ def worst(found: Iterable[Agreement]) -> Agreement:
 
 def kinds(table: pd.DataFrame) -> pd.Series:
     """The kind of each row's agreement."""
-    return pd.Series([one.kind for one in table["agreement"]], index=table.index, dtype=object)
+    return pd.Series([one.kind for one in table[col.AGREEMENT]], index=table.index, dtype=object)
 
 
 def flagged(table: pd.DataFrame) -> Mask:
     """Whether each row is flagged, (N,)."""
-    return np.array([one.kind == "flagged" for one in table["agreement"]], dtype=bool)
+    return np.array([one.kind == "flagged" for one in table[col.AGREEMENT]], dtype=bool)
 
 
 def blamed(table: pd.DataFrame, witness: Witness) -> Mask:
     """Whether each row is flagged for what this witness says, (N,)."""
     return np.array(
-        [one.kind == "flagged" and one.witness == witness for one in table["agreement"]], dtype=bool
+        [one.kind == "flagged" and one.witness == witness for one in table[col.AGREEMENT]], dtype=bool
     )
 
 

@@ -16,6 +16,7 @@ from scipy.special import bdtr, bdtrc, chdtri
 
 from rigsim.rig.arrays import Array
 from rigsim.study.agreement.agreement import AGREES, Agreement, Reason, finite
+from rigsim.study.scene import columns as col
 from rigsim.study.scene.columns import Row
 
 SHARE = 0.9
@@ -67,9 +68,9 @@ def scale_columns(scales: Sequence[Scale]) -> Row:
     """The columns of the largest of several scales."""
     scale = max(scales, key=lambda one: one.value)
     return {
-        "measured_scale": scale.value,
-        "measured_scale_ci_low": scale.low,
-        "measured_scale_ci_high": scale.high,
+        col.MEASURED_SCALE: scale.value,
+        col.MEASURED_SCALE_CI_LOW: scale.low,
+        col.MEASURED_SCALE_CI_HIGH: scale.high,
     }
 
 
@@ -81,9 +82,9 @@ def measured_agreement(row: Row, n_found: int, cause: str) -> Agreement:
         n_found: matches, those of nothing included.
         cause: the error for which nothing was found, when nothing was.
     """
-    if row["measured_method"] == "none":
+    if row[col.MEASURED_METHOD] == "none":
         return AGREES
-    n = int(row["measured_n"])
+    n = int(row[col.MEASURED_N])
     n_astray = n_found - n
     share = n_astray / n_found if n_found else 0.0
     # probability of so many when a fifth of all go astray
@@ -91,7 +92,8 @@ def measured_agreement(row: Row, n_found: int, cause: str) -> Agreement:
         return Agreement("flagged", "measured", "outliers", "outliers", share, count=(n_astray, n_found))
     if n == 0:
         return Agreement("untold", "measured", "nothing-measured", "scale", cause=cause)
-    value, low, high = (float(row[f"measured_scale{end}"]) for end in ("", "_ci_low", "_ci_high"))
+    ends = (col.MEASURED_SCALE, col.MEASURED_SCALE_CI_LOW, col.MEASURED_SCALE_CI_HIGH)
+    value, low, high = (float(row[name]) for name in ends)
     reason = _claim(row, Scale(value, low, high), share)
     if not reason:
         return AGREES
@@ -112,7 +114,7 @@ def _claim(row: Row, scale: Scale, astray: float) -> Reason:
         return "worse-than-claimed"
     if not math.isfinite(scale.high):
         return "too-few-measured"
-    if row["measured_method"] == "dense":
+    if row[col.MEASURED_METHOD] == "dense":
         return "claims-nothing"
     if astray > _ASTRAY:
         return "many-astray"

@@ -19,6 +19,7 @@ from rigsim.study.agreement.agreement import Agreement, Place, worst
 from rigsim.study.agreement.claims import measured_agreement
 from rigsim.study.agreement.fault import UNKNOWN, Fault
 from rigsim.study.agreement.simulated import Part, compare, image_parts
+from rigsim.study.scene import columns as col
 from rigsim.study.scene.axes import registry
 from rigsim.study.scene.axes.configuration import Configuration
 from rigsim.study.scene.column import clean
@@ -28,7 +29,7 @@ from rigsim.study.scene.statistics import ErrorStatistics, summarize
 from rigsim.study.scene.third_witness import Measured, bins_of, measured_row, nothing_measured
 from rigsim.study.scene.trials import Prediction
 
-_FAR = ("far_inverse_depth_rmse_per_m", "predicted_far_inverse_depth_rmse_per_m")
+_FAR = (col.FAR_INVERSE_DEPTH_RMSE, col.PREDICTED_FAR_INVERSE_DEPTH_RMSE)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,19 +75,19 @@ class Evidence:
 
 def configuration(scene: str, rig: StereoRig, noise: PixelNoise, triangulator: str, sensor: str) -> Row:
     """The columns that say what a row is about."""
-    return {"scene": scene} | registry.values(Configuration(rig, noise, triangulator, sensor))
+    return {col.SCENE: scene} | registry.values(Configuration(rig, noise, triangulator, sensor))
 
 
 def empty_row(head: Row, n_trials: int, cause: str) -> Row:
     """The row of sweep.csv for a rig that has no truth points; `cause` is the error that says so."""
     row: Row = dict.fromkeys(ROW_COLUMNS, math.nan)
     row |= nothing_measured() | {
-        "n_points": 0,
-        "n_visible": 0,
-        "n_trials": n_trials,
-        "scene_fraction": 0.0,
-        "visible_fraction": 0.0,
-        "overlap_fraction": 0.0,
+        col.N_POINTS: 0,
+        col.N_VISIBLE: 0,
+        col.N_TRIALS: n_trials,
+        col.SCENE_FRACTION: 0.0,
+        col.VISIBLE_FRACTION: 0.0,
+        col.OVERLAP_FRACTION: 0.0,
     }
     return row | _written(Agreement("untold", reason="no-points", cause=cause)) | head
 
@@ -110,7 +111,7 @@ def rows_of(head: Row, evidence: Evidence) -> tuple[Row, list[Row], Fault | None
             body = _body(evidence, inside, slice(i, i + 1))
             body |= _covered(evidence, inside, evidence.coverage_bins == i)
             row = _joined(body, evidence, i, parts[i])
-            row |= {"depth_near_mm": clean(near * 1e3), "depth_far_mm": clean(far * 1e3)}
+            row |= {col.DEPTH_NEAR: clean(near * 1e3), col.DEPTH_FAR: clean(far * 1e3)}
             by_depth.append({name: (head | row)[name] for name in DEPTH_COLUMNS})
     return overall, by_depth, fault
 
@@ -134,13 +135,13 @@ def _body(evidence: Evidence, inside: Mask, groups: slice) -> Row:
     kept = visible_inside & ~low
     tried = int(visible_inside.sum()) * evidence.stats.n_trials
     row: Row = {
-        "n_points": int(inside.sum()),
-        "n_visible": int(visible_inside.sum()),
-        "n_trials": evidence.stats.n_trials,
-        "failed_fraction": 1 - float(evidence.stats.count[visible_inside].sum()) / tried
+        col.N_POINTS: int(inside.sum()),
+        col.N_VISIBLE: int(visible_inside.sum()),
+        col.N_TRIALS: evidence.stats.n_trials,
+        col.FAILED_FRACTION: 1 - float(evidence.stats.count[visible_inside].sum()) / tried
         if tried
         else math.nan,
-        "low_disparity_fraction": float(np.average(low[visible_inside], weights=weight[visible_inside]))
+        col.LOW_DISPARITY_FRACTION: float(np.average(low[visible_inside], weights=weight[visible_inside]))
         if tried
         else math.nan,
     }
@@ -158,20 +159,20 @@ def _body(evidence: Evidence, inside: Mask, groups: slice) -> Row:
     return {
         **row,
         **_far(evidence, visible_inside & low),
-        "depth_median_mm": median_m * 1e3,
-        "depth_bias_mm": summary.bias_m * 1e3,
-        "depth_rmse_mm": summary.rmse_m * 1e3,
-        "depth_rmse_ci_low_mm": summary.ci_low_m * 1e3,
-        "depth_rmse_ci_high_mm": summary.ci_high_m * 1e3,
-        "depth_abs_p50_mm": summary.abs_p50_m * 1e3,
-        "depth_abs_p95_mm": summary.abs_p95_m * 1e3,
-        "depth_rmse_pct": summary.relative_rmse * 100,
-        "point_rmse_mm": summary.point_rmse_m * 1e3,
-        "predicted_depth_rmse_mm": predicted_m * 1e3,
-        "predicted_over_simulated": predicted_m / summary.rmse_m if predicted_m > 0 else math.nan,
-        "nees": summary.nees if predicted_m > 0 else math.nan,
-        "depth_rmse_image_mm": image_m * 1e3,
-        "predicted_depth_rmse_image_mm": predicted_image_m * 1e3,
+        col.DEPTH_MEDIAN: median_m * 1e3,
+        col.DEPTH_BIAS: summary.bias_m * 1e3,
+        col.DEPTH_RMSE: summary.rmse_m * 1e3,
+        col.DEPTH_RMSE_CI_LOW: summary.ci_low_m * 1e3,
+        col.DEPTH_RMSE_CI_HIGH: summary.ci_high_m * 1e3,
+        col.DEPTH_ABS_P50: summary.abs_p50_m * 1e3,
+        col.DEPTH_ABS_P95: summary.abs_p95_m * 1e3,
+        col.DEPTH_RMSE_PCT: summary.relative_rmse * 100,
+        col.POINT_RMSE: summary.point_rmse_m * 1e3,
+        col.PREDICTED_DEPTH_RMSE: predicted_m * 1e3,
+        col.PREDICTED_OVER_SIMULATED: predicted_m / summary.rmse_m if predicted_m > 0 else math.nan,
+        col.NEES: summary.nees if predicted_m > 0 else math.nan,
+        col.DEPTH_RMSE_IMAGE: image_m * 1e3,
+        col.PREDICTED_DEPTH_RMSE_IMAGE: predicted_image_m * 1e3,
     }
 
 
@@ -180,14 +181,14 @@ def _covered(evidence: Evidence, points: Mask, rays: Mask) -> Row:
     coverage = evidence.coverage
     if not rays.any():
         return {
-            "scene_fraction": 0.0,
-            "visible_fraction": float(evidence.visible[points].mean()),
-            "overlap_fraction": float(evidence.in_right_image[points].mean()),
+            col.SCENE_FRACTION: 0.0,
+            col.VISIBLE_FRACTION: float(evidence.visible[points].mean()),
+            col.OVERLAP_FRACTION: float(evidence.in_right_image[points].mean()),
         }
     return {
-        "scene_fraction": float(rays.sum()) / coverage.n_rays,
-        "visible_fraction": float(coverage.visible_right[rays].mean()),
-        "overlap_fraction": float(coverage.in_right_image[rays].mean()),
+        col.SCENE_FRACTION: float(rays.sum()) / coverage.n_rays,
+        col.VISIBLE_FRACTION: float(coverage.visible_right[rays].mean()),
+        col.OVERLAP_FRACTION: float(coverage.in_right_image[rays].mean()),
     }
 
 
@@ -220,14 +221,14 @@ def _joined(body: Row, evidence: Evidence, depth_bin: int | None, simulated: Agr
     inside = bins == depth_bin if depth_bin is not None else (bins >= 0) | measured.outlier
     row = measured_row(measured, evidence.rig, evidence.triangulator, inside)
     found = [simulated]
-    if depth_bin is None or row["measured_n"]:
+    if depth_bin is None or row[col.MEASURED_N]:
         found.append(measured_agreement(row, int(inside.sum()), measured.why))
     return body | row | _written(worst(found))
 
 
 def _written(agreement: Agreement) -> Row:
     witness = "" if agreement.kind == "agrees" else agreement.witness
-    return {"agreement": agreement, "agreement_witness": witness}
+    return {col.AGREEMENT: agreement, col.AGREEMENT_WITNESS: witness}
 
 
 def _weighted_rms(values: Array, weight: Array) -> float:

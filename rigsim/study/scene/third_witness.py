@@ -21,6 +21,7 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
 from rigsim.statistics import abs_p95, nmad, rms
 from rigsim.study.agreement.claims import claim_scale, scale_columns
+from rigsim.study.scene import columns as col
 from rigsim.study.scene.columns import MEASURED_COLUMNS, Row
 from rigsim.study.scene.pictures import Pictures
 from rigsim.study.scene.plan import Triangulator
@@ -197,15 +198,15 @@ def _joined(
 def nothing_measured() -> Row:
     """The measured columns of a row for which nothing was to be measured."""
     row: Row = dict.fromkeys(MEASURED_COLUMNS, math.nan)
-    return {**row, "measured_method": "none", "measured_n": 0}
+    return {**row, col.MEASURED_METHOD: "none", col.MEASURED_N: 0}
 
 
 def measured_row(measured: Measured, rig: StereoRig, method: Triangulator, inside: Mask) -> Row:
     """The measured columns over the matches in `inside` (N,), triangulated by `method`."""
     kept = inside & ~measured.outlier
-    row = nothing_measured() | {"measured_method": measured.method, "measured_n": int(kept.sum())}
+    row = nothing_measured() | {col.MEASURED_METHOD: measured.method, col.MEASURED_N: int(kept.sum())}
     if inside.any():
-        row["measured_outlier_fraction"] = float(measured.outlier[inside].mean())
+        row[col.MEASURED_OUTLIER_FRACTION] = float(measured.outlier[inside].mean())
     if not kept.any():
         return row
     points_left = measured.points_left[kept]
@@ -229,14 +230,14 @@ def measured_row(measured: Measured, rig: StereoRig, method: Triangulator, insid
     return (
         row
         | {
-            "measured_pixel_rms_px": math.sqrt(pixel_error2),
-            "measured_disparity_std_px": float(disparity_error_px.std()),
-            "measured_depth_bias_mm": float(error_m.mean()) * 1e3,
-            "measured_depth_rmse_mm": rmse_m * 1e3,
-            "measured_depth_abs_p95_mm": abs_p95(error_m) * 1e3,
-            "predicted_from_measured_rmse_mm": predicted_m * 1e3,
-            "measured_over_predicted": rmse_m / predicted_m if predicted_m > 0 else math.nan,
-            "measured_within_3_sigma": float((distance2 <= _THREE_SIGMA[measured.degrees]).mean()),
+            col.MEASURED_PIXEL_RMS: math.sqrt(pixel_error2),
+            col.MEASURED_DISPARITY_STD: float(disparity_error_px.std()),
+            col.MEASURED_DEPTH_BIAS: float(error_m.mean()) * 1e3,
+            col.MEASURED_DEPTH_RMSE: rmse_m * 1e3,
+            col.MEASURED_DEPTH_ABS_P95: abs_p95(error_m) * 1e3,
+            col.PREDICTED_FROM_MEASURED_RMSE: predicted_m * 1e3,
+            col.MEASURED_OVER_PREDICTED: rmse_m / predicted_m if predicted_m > 0 else math.nan,
+            col.MEASURED_WITHIN_3_SIGMA: float((distance2 <= _THREE_SIGMA[measured.degrees]).mean()),
         }
         | scale_columns(scales)
     )

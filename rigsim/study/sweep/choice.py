@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
+from rigsim.study.scene import columns as col
 from rigsim.study.scene.columns import AXES, COLUMNS
 from rigsim.study.sweep.comparison import compare, reservations
 
@@ -21,15 +22,15 @@ def rank(rows: pd.DataFrame, by_depth: pd.DataFrame) -> tuple[int, ...]:
     answers more comes first. Noise is a circumstance, not a choice: only rows of the middle noise level
     compete.
     """
-    noises = sorted(rows["noise_px"].unique())
-    middle = rows["noise_px"] == noises[(len(noises) - 1) // 2]
+    noises = sorted(rows[col.NOISE].unique())
+    middle = rows[col.NOISE] == noises[(len(noises) - 1) // 2]
     comparison = compare(rows, by_depth)
     order = (
         rows.assign(
             reservations=reservations(rows),
             missing=~comparison.compared,
             error=np.where(comparison.compared, comparison.simulated_mm, -comparison.answered),
-        )[middle & rows["depth_rmse_mm"].notna()]
+        )[middle & rows[col.DEPTH_RMSE].notna()]
         .sort_values(["reservations", "missing", "error"], kind="stable")
         .index
     )
@@ -77,7 +78,7 @@ def choice(rows: pd.DataFrame, by_depth: pd.DataFrame, order: tuple[int, ...]) -
 
 def _differ(rows: pd.DataFrame, one: int, other: int) -> bool:
     """Whether two rows differ in what the simulation knows: it sees no picture."""
-    axes = [axis for axis in AXES if axis != "sensor"]
+    axes = [axis for axis in AXES if axis != col.SENSOR]
     return bool((rows.loc[one, axes] != rows.loc[other, axes]).any())
 
 

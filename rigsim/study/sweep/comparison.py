@@ -17,6 +17,7 @@ import pandas as pd
 
 from rigsim.rig.arrays import Array, Ids, Mask
 from rigsim.study.agreement.agreement import flagged
+from rigsim.study.scene import columns as col
 from rigsim.study.scene.columns import AXES
 from rigsim.study.scene.statistics import CI_SIGMAS
 
@@ -29,7 +30,7 @@ FEWEST_POINTS = 5
 _SHARED = 0.5
 # A quarter of depth is between the edges of a bin; the fourth power of depth scatters by a quarter in it
 _SPREAD = 0.25
-_KEY = ("scene", *AXES)
+_KEY = (col.SCENE, *AXES)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,8 +57,8 @@ class Comparison:
 
 def reservations(rows: pd.DataFrame) -> Array:
     """What speaks against each row: 0 nothing, 1 too little coverage, 2 a flag, 3 both."""
-    known = rows["depth_rmse_mm"].notna()
-    poor = rows["visible_fraction"] < WELL_COVERED * rows["visible_fraction"][known].max()
+    known = rows[col.DEPTH_RMSE].notna()
+    poor = rows[col.VISIBLE_FRACTION] < WELL_COVERED * rows[col.VISIBLE_FRACTION][known].max()
     return np.asarray(2.0 * flagged(rows) + 1.0 * poor)
 
 
@@ -75,7 +76,7 @@ def compare(rows: pd.DataFrame, by_depth: pd.DataFrame, among: Mask | None = Non
         by_depth: `SweepResult.by_depth`.
         among: rows (N,) that decide on the distances; all when None.
     """
-    known = rows["depth_rmse_mm"].notna().to_numpy()
+    known = rows[col.DEPTH_RMSE].notna().to_numpy()
     among = known if among is None else among & known
     against = reservations(rows)
     bins = _Bins.of(rows, by_depth)
@@ -96,9 +97,9 @@ def row_of_bins(rows: pd.DataFrame, by_depth: pd.DataFrame) -> Ids:
 
     Rigs may differ in what no column tells, so that their columns alone do not tell them apart.
     """
-    head, near = by_depth[list(_KEY)], by_depth["depth_near_mm"]
+    head, near = by_depth[list(_KEY)], by_depth[col.DEPTH_NEAR]
     starts = (head != head.shift()).any(axis=1) | (near <= near.shift())
-    places = np.flatnonzero(rows["n_points"] > 0)
+    places = np.flatnonzero(rows[col.N_POINTS] > 0)
     return np.asarray(places[starts.cumsum().to_numpy(dtype=np.int64) - 1], dtype=np.int32)
 
 
@@ -117,7 +118,7 @@ class _Bins:
 
     @classmethod
     def of(cls, rows: pd.DataFrame, by_depth: pd.DataFrame) -> _Bins:
-        each = list(zip(by_depth["depth_near_mm"], by_depth["depth_far_mm"], strict=True))
+        each = list(zip(by_depth[col.DEPTH_NEAR], by_depth[col.DEPTH_FAR], strict=True))
         edges = sorted(set(each))
         columns = {edge: i for i, edge in enumerate(edges)}
         i, j = row_of_bins(rows, by_depth), [columns[edge] for edge in each]
@@ -127,18 +128,18 @@ class _Bins:
             values[i, j] = by_depth[name].to_numpy(dtype=np.float64)
             return values
 
-        simulated = spread("depth_rmse_mm")
-        n = spread("n_visible", 0.0)
-        answered = np.isfinite(simulated) & (n >= FEWEST_POINTS) & (spread("low_disparity_fraction") == 0)
+        simulated = spread(col.DEPTH_RMSE)
+        n = spread(col.N_VISIBLE, 0.0)
+        answered = np.isfinite(simulated) & (n >= FEWEST_POINTS) & (spread(col.LOW_DISPARITY_FRACTION) == 0)
         return cls(
             edges,
             answered,
-            spread("scene_fraction", 0.0),
+            spread(col.SCENE_FRACTION, 0.0),
             n,
-            spread("depth_median_mm"),
+            spread(col.DEPTH_MEDIAN),
             simulated,
-            spread("predicted_depth_rmse_mm"),
-            spread("depth_rmse_ci_high_mm"),
+            spread(col.PREDICTED_DEPTH_RMSE),
+            spread(col.DEPTH_RMSE_CI_HIGH),
         )
 
 

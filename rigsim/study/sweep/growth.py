@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from rigsim.study.scene import columns as col
+
 _SQUARE = (1.9, 2.1)
 _MISFIT = 0.25  # the edges of a bin are that far apart, squared half of it either way
 _FEWEST_BINS = 3
@@ -36,7 +38,7 @@ def growth_of(bins: pd.DataFrame) -> Growth | None:
     ``log(RMS) = p log(Z) + c`` by least squares over the bins' median depths.
     """
     depth_mm, error_mm = (
-        bins[name].to_numpy(dtype=np.float64) for name in ("depth_median_mm", "depth_rmse_mm")
+        bins[name].to_numpy(dtype=np.float64) for name in (col.DEPTH_MEDIAN, col.DEPTH_RMSE)
     )
     known = (depth_mm > 0) & (error_mm > 0)
     depth_mm, error_mm = depth_mm[known], error_mm[known]

@@ -6,6 +6,7 @@ from typing import Literal, TypeAlias
 
 import pandas as pd
 
+from rigsim.study.scene import columns as col
 from rigsim.study.scene.columns import AXES
 from rigsim.study.sweep.comparison import WELL_COVERED
 
@@ -34,18 +35,18 @@ def swept_axes(rows: pd.DataFrame, order: tuple[str, ...]) -> tuple[str, ...]:
 
 def limits(rows: pd.DataFrame) -> tuple[Limit, ...]:
     """What limits each row."""
-    coverage = rows["visible_fraction"].max()
+    coverage = rows[col.VISIBLE_FRACTION].max()
     found: list[Limit] = []
-    for row in rows.itertuples():
-        if not row.depth_rmse_mm >= 0:
+    for row in rows.to_dict("records"):
+        if not row[col.DEPTH_RMSE] >= 0:
             found.append("no result")
-        elif row.failed_fraction > _FAILED:
+        elif row[col.FAILED_FRACTION] > _FAILED:
             found.append("failed points")
-        elif row.visible_fraction < WELL_COVERED * coverage:
+        elif row[col.VISIBLE_FRACTION] < WELL_COVERED * coverage:
             found.append("overlap")
-        elif row.low_disparity_fraction > _LOW_DISPARITY:
+        elif row[col.LOW_DISPARITY_FRACTION] > _LOW_DISPARITY:
             found.append("low disparity")
-        elif abs(row.depth_bias_mm) > _BIASED * row.depth_rmse_mm:
+        elif abs(row[col.DEPTH_BIAS]) > _BIASED * row[col.DEPTH_RMSE]:
             found.append("bias")
         else:
             found.append("pixel noise")

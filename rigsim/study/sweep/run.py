@@ -14,6 +14,7 @@ from rigsim.rig import extent, given
 from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
+from rigsim.study.scene import columns as col
 from rigsim.study.scene.columns import AXES, DEPTH_COLUMNS, ROW_COLUMNS
 from rigsim.study.scene.look import Look, Outcome, far_limit_m, look, simulate
 from rigsim.study.scene.pictures import without_noise
@@ -140,10 +141,10 @@ def _conclude(done: _Done, plan: Plan, simulator: Simulator, lens_held: Held) ->
     order = rank(table, depth_table)
     if not order:
         where = f"scene {simulator.scene.name}: "
-        reasons = dict.fromkeys(why_none(one).removeprefix(where) for one in table["agreement"])
+        reasons = dict.fromkeys(why_none(one).removeprefix(where) for one in table[col.AGREEMENT])
         why = "; ".join(list(reasons)[:3])
         raise InvalidScene(f"{where}no rig has a result ({why}): {advise(simulator, done.rigs, plan)}")
-    first = ("baseline_mm", "hfov_deg", "width_px") if lens_held else AXES
+    first = (col.BASELINE, col.HFOV, col.WIDTH) if lens_held else AXES
     swept = swept_axes(table, tuple(dict.fromkeys((*plan.asked, *first))))
     per_rig = len(plan.noises) * len(plan.triangulators) * len(plan.sensors)
     return SweepResult(

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from rigsim.present.sweep.column_words import COLUMNS
+from rigsim.study.scene import columns as col
 from rigsim.study.sweep.result import SweepResult
 
 MAX_LINES = 6
@@ -75,11 +76,11 @@ def swept_axes(result: SweepResult) -> list[Axis]:
     """The varied axes in the order of `result.swept`; width and height that go together count as one."""
     rows, names = result.rows, [name for name in result.swept if name in result.rows]
     said = _resolutions(rows)
-    if "width_px" in names and said:
-        names = [name for name in names if name != "height_px"]
+    if col.WIDTH in names and said:
+        names = [name for name in names if name != col.HEIGHT]
     axes = [
         Axis(name, "resolution", "px", tuple(sorted(said)), True, lambda value: said[int(value)])
-        if name == "width_px" and said
+        if name == col.WIDTH and said
         else _axis(rows, name)
         for name in names
     ]
@@ -143,10 +144,10 @@ def _function(name: str) -> str:
 
 def _resolutions(rows: pd.DataFrame) -> dict[int, str]:
     """Image size by image width, when several heights go with the widths one to one; else empty."""
-    sizes = rows[["width_px", "height_px"]].drop_duplicates()
-    if not sizes["width_px"].is_unique or sizes["height_px"].nunique() < 2:
+    sizes = rows[[col.WIDTH, col.HEIGHT]].drop_duplicates()
+    if not sizes[col.WIDTH].is_unique or sizes[col.HEIGHT].nunique() < 2:
         return {}
-    pairs = zip(sizes["width_px"].tolist(), sizes["height_px"].tolist(), strict=True)
+    pairs = zip(sizes[col.WIDTH].tolist(), sizes[col.HEIGHT].tolist(), strict=True)
     return {int(width): f"{width:.0f} × {height:.0f}" for width, height in pairs}
 
 

@@ -23,6 +23,7 @@ from rigsim.present.sweep.plots.strips import mark_beyond, scale_strip, within
 from rigsim.rig.arrays import Array
 from rigsim.study.agreement.agreement import blamed
 from rigsim.study.agreement.agreement import flagged as flagged_rows
+from rigsim.study.scene import columns as col
 
 PANEL_WIDTH = style.PAGE_WIDTH_IN
 """Width of a chart with its legends, in."""
@@ -33,12 +34,12 @@ _RATIO_HEIGHT, _RATIO_STEP = 0.78, 0.96
 _MAIN_HEIGHT = 2.5
 SIDE = _LEFT + _WIDTH + 0.15
 """Where the legends begin, in from the left."""
-_UP = ("depth_rmse_ci_low_mm", "depth_rmse_ci_high_mm", "predicted_depth_rmse_mm")
+_UP = (col.DEPTH_RMSE_CI_LOW, col.DEPTH_RMSE_CI_HIGH, col.PREDICTED_DEPTH_RMSE)
 _NO_ERROR_MM = 1e-6  # below a nanometre there is only arithmetic, nothing a logarithm should show
 _DOTS = (0, (1, 2))
 _LINE_IN = 0.2
 
-DEPTH = Axis("depth_median_mm", "depth", "m", (), True, lambda value: plain(value / 1e3))
+DEPTH = Axis(col.DEPTH_MEDIAN, "depth", "m", (), True, lambda value: plain(value / 1e3))
 """The axis of `SweepResult.by_depth`, drawn in metres."""
 
 
@@ -78,7 +79,7 @@ def draw_chart(figure: Figure, x: float, y: float, title: str, cut: Slice, table
         scale_strip(strips[1], ratios, ratios, ratios)
     for series in found:
         aside = _aside(strips[1], 0.0 if series.line is None else dodges[series.line])
-        curve = cut.x.numeric and cut.x.column != "noise_px"
+        curve = cut.x.numeric and cut.x.column != col.NOISE
         third.draw_series(axes, strips[1], series, curve, aside)
     if cut.x is DEPTH:
         _draw_square_law(axes, parts[-1][1])
@@ -87,10 +88,10 @@ def draw_chart(figure: Figure, x: float, y: float, title: str, cut: Slice, table
 
 def drawn(part: pd.DataFrame) -> pd.DataFrame:
     """The rows that a chart has something to show of; simulated errors that are none are taken out."""
-    simulated = part["depth_rmse_mm"].between(_NO_ERROR_MM, np.inf, inclusive="neither")
-    names = ["depth_rmse_mm", *_UP, "predicted_over_simulated"]
+    simulated = part[col.DEPTH_RMSE].between(_NO_ERROR_MM, np.inf, inclusive="neither")
+    names = [col.DEPTH_RMSE, *_UP, col.PREDICTED_OVER_SIMULATED]
     return part.assign(**{name: part[name].where(simulated) for name in names})[
-        simulated | (part["measured_depth_rmse_mm"] > 0)
+        simulated | (part[col.MEASURED_DEPTH_RMSE] > 0)
     ]
 
 
@@ -101,7 +102,7 @@ def _numbers(table: pd.DataFrame, name: str) -> Array:
 def along(axis: Axis, part: pd.DataFrame) -> Array:
     """Where rows stand along the page: their value, in m for depth, or the place of their name."""
     if axis is DEPTH:
-        middle = np.sqrt(_numbers(part, "depth_near_mm") * _numbers(part, "depth_far_mm"))
+        middle = np.sqrt(_numbers(part, col.DEPTH_NEAR) * _numbers(part, col.DEPTH_FAR))
         median = _numbers(part, axis.column)
         return np.asarray(np.where(np.isfinite(median), median, middle) / 1e3)
     if axis.numeric:
@@ -114,7 +115,7 @@ def _scale_main(
 ) -> None:
     every = pd.concat(parts)
     x = np.concatenate([along(axis, every), *(series.x for series in found)])
-    at_values = not (axis.column == "noise_px" and found)
+    at_values = not (axis.column == col.NOISE and found)
     scale_x([axes, *strips], axis, x, own=at_values)
     y = np.concatenate(
         [_numbers(every, name) for name in _UP]
@@ -151,8 +152,8 @@ def scale_x(every: list[Axes], axis: Axis, x: Array, *, own: bool) -> None:
 
 def _ratios(part: pd.DataFrame) -> tuple[Array, Array, Array]:
     """Predicted over simulated, and the same at both ends of the confidence interval."""
-    predicted = _numbers(part, "predicted_depth_rmse_mm")
-    simulated = ("depth_rmse_mm", "depth_rmse_ci_high_mm", "depth_rmse_ci_low_mm")
+    predicted = _numbers(part, col.PREDICTED_DEPTH_RMSE)
+    simulated = (col.DEPTH_RMSE, col.DEPTH_RMSE_CI_HIGH, col.DEPTH_RMSE_CI_LOW)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio, low, high = (predicted / _numbers(part, name) for name in simulated)
     return ratio, low, high
@@ -173,10 +174,10 @@ def _draw_line(
     axes: Axes, strip: Axes, axis: Axis, part: pd.DataFrame, color: str, marker: str, dodge_pt: float
 ) -> None:
     x = along(axis, part)
-    simulated = _numbers(part, "depth_rmse_mm")
-    predicted = _numbers(part, "predicted_depth_rmse_mm")
-    ci_low = _numbers(part, "depth_rmse_ci_low_mm")
-    ci_high = _numbers(part, "depth_rmse_ci_high_mm")
+    simulated = _numbers(part, col.DEPTH_RMSE)
+    predicted = _numbers(part, col.PREDICTED_DEPTH_RMSE)
+    ci_low = _numbers(part, col.DEPTH_RMSE_CI_LOW)
+    ci_high = _numbers(part, col.DEPTH_RMSE_CI_HIGH)
     known = np.isfinite(predicted)
     if axis.numeric and known.sum() > 1:
         axes.plot(*style.between(x[known], predicted[known]), color=color, zorder=2)
@@ -218,13 +219,13 @@ def _whiskers(
 
 def _draw_square_law(axes: Axes, part: pd.DataFrame) -> None:
     """A dotted line that grows with the square of the depth, a little below the last curve."""
-    part = part[part["depth_rmse_mm"].notna()]
+    part = part[part[col.DEPTH_RMSE].notna()]
     x = along(DEPTH, part)
     if len(x) < 2 or x.max() / x.min() < 1.5:
         return
     low, high = axes.get_ylim()
     span = np.geomspace(x.min(), x.max(), 30)
-    start = float(np.nanmin(_numbers(part, "depth_rmse_mm"))) * 0.5
+    start = float(np.nanmin(_numbers(part, col.DEPTH_RMSE))) * 0.5
     start = max(start, low * 1.1)
     axes.plot(span, start * (span / span[0]) ** 2, color=style.GREY, linestyle=_DOTS, linewidth=1.4, zorder=1)
     axes.set_ylim(low, high)

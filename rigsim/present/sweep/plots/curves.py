@@ -14,6 +14,7 @@ from rigsim.present.sweep.plots.axes import Axis, best_row, held_words, slice_al
 from rigsim.present.sweep.plots.chart import DEPTH, PANEL_WIDTH, RATIO_BOTTOM, SIDE, draw_chart, panel_height
 from rigsim.present.sweep.plots.heatmap import draw_heat_map, heat_map_axes
 from rigsim.present.sweep.same import at_same_distances, same_words
+from rigsim.study.scene import columns as col
 from rigsim.study.sweep.result import SweepResult
 
 HEAT_HEIGHT = 4.35
@@ -92,7 +93,7 @@ def depth_error_figure(result: SweepResult) -> Figure:
 
 def _noise_note(result: SweepResult, axis: Axis) -> str:
     """Where the measured marks stand along an axis of noise, which no picture knows."""
-    if axis.column != "noise_px" or not was_measured(result.rows):
+    if axis.column != col.NOISE or not was_measured(result.rows):
         return ""
     return "diamonds stand at the noise they correspond to"
 

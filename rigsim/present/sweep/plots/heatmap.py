@@ -16,6 +16,7 @@ from rigsim.present.sweep.plots.axes import Axis, best_row, swept_axes
 from rigsim.present.sweep.same import at_same_distances
 from rigsim.rig.arrays import Array
 from rigsim.study.agreement.agreement import flagged as flagged_rows
+from rigsim.study.scene import columns as col
 from rigsim.study.sweep.result import SweepResult
 
 _MOST_ANNOTATED = 12
@@ -43,7 +44,7 @@ def heat_map_values(result: SweepResult, across: Axis, up: Axis) -> tuple[Array,
     flagged = np.zeros_like(values)
     i = [up.values.index(value) for value in rows[up.column]]
     j = [across.values.index(value) for value in rows[across.column]]
-    values[i, j] = rows["depth_rmse_mm"].to_numpy(dtype=np.float64)
+    values[i, j] = rows[col.DEPTH_RMSE].to_numpy(dtype=np.float64)
     flagged[i, j] = flagged_rows(rows)
     return values, flagged
 

@@ -17,6 +17,7 @@ from rigsim.present.sweep.plots.axes import Slice
 from rigsim.present.sweep.plots.strips import mark_beyond, within
 from rigsim.rig.arrays import Array, Mask
 from rigsim.study.agreement.agreement import blamed
+from rigsim.study.scene import columns as col
 
 Dashes: TypeAlias = tuple[float, tuple[float, ...]]
 """A line pattern as matplotlib takes it: where it starts, and lengths on and off."""
@@ -64,8 +65,8 @@ def measured_series(
         parts: its lines with their rows, as `Slice.parts` returns them.
         positions: places of rows along the page.
     """
-    along_noise = cut.x.column == "noise_px"
-    if cut.lines is not None and cut.lines.column == "noise_px" and parts:
+    along_noise = cut.x.column == col.NOISE
+    if cut.lines is not None and cut.lines.column == col.NOISE and parts:
         key = cut.x.column
         every = pd.concat([part for _, part in parts]).drop_duplicates(key)
         if cut.x.numeric:
@@ -75,7 +76,7 @@ def measured_series(
         found = []
         for i, (_, part) in enumerate(parts):
             if along_noise:
-                part = part[part["measured_depth_rmse_mm"] > 0].head(1)
+                part = part[part[col.MEASURED_DEPTH_RMSE] > 0].head(1)
             x = equivalent_noise_px(part) if along_noise else positions(part)
             _join(found, _series(part, x, (i,)))
     return [series for series in found if len(series.x)]
@@ -123,7 +124,7 @@ def color_of(series: Series) -> str:
 def _series(part: pd.DataFrame, x: Array, lines: tuple[int, ...]) -> Series:
     measured, predicted = (
         np.asarray(part[name], dtype=np.float64)
-        for name in ("measured_depth_rmse_mm", "predicted_from_measured_rmse_mm")
+        for name in (col.MEASURED_DEPTH_RMSE, col.PREDICTED_FROM_MEASURED_RMSE)
     )
     flagged = blamed(part, "measured")
     shown = np.isfinite(x) & np.isfinite(measured) & (measured > 0)

@@ -20,6 +20,7 @@ from rigsim.present.sweep.plots.axes import Axis, Slice, best_row, slice_along, 
 from rigsim.present.sweep.plots.chart import DEPTH, along, drawn, scale_x
 from rigsim.present.sweep.plots.strips import mark_beyond, scale_strip, within
 from rigsim.rig.arrays import Array
+from rigsim.study.scene import columns as col
 from rigsim.study.sweep.result import SweepResult
 
 _LEFT, _WIDTH, _STEP = 0.8, 3.7, 4.45
@@ -45,7 +46,7 @@ def witnesses_figure(result: SweepResult) -> Figure:
     the claimed one of the measurement. The strips show both errors over their predictions.
     """
     axes = swept_axes(result)
-    shown = [axis for axis in axes if axis.column == "baseline_mm"] or [a for a in axes if a.numeric]
+    shown = [axis for axis in axes if axis.column == col.BASELINE] or [a for a in axes if a.numeric]
     cuts = [(_best_line(result, axis, axes), result.rows) for axis in shown[:1]]
     if len(result.by_depth):
         cuts.append((_best_line(result, DEPTH, axes), result.by_depth))
@@ -66,7 +67,7 @@ def _best_line(result: SweepResult, x: Axis, axes: list[Axis]) -> Slice:
 
 def _title(cut: Slice, axes: list[Axis]) -> str:
     """What is drawn against what, and where the other axes are held; the legend names the noise."""
-    names = [axis for axis in axes if axis.column in cut.held and axis.column != "noise_px"]
+    names = [axis for axis in axes if axis.column in cut.held and axis.column != col.NOISE]
     said = (f"{axis.heading} {axis.say(cut.held[axis.column])}".replace(" ", "\u00a0") for axis in names)
     held = ", ".join(said)
     return f"Against {cut.x.heading}" + (f" at {held}" if held else "")
@@ -136,10 +137,10 @@ def _simulated(axis: Axis, part: pd.DataFrame) -> _Curve:
     error, predicted, low, high = (
         np.asarray(part[name], dtype=np.float64)
         for name in (
-            "depth_rmse_mm",
-            "predicted_depth_rmse_mm",
-            "depth_rmse_ci_low_mm",
-            "depth_rmse_ci_high_mm",
+            col.DEPTH_RMSE,
+            col.PREDICTED_DEPTH_RMSE,
+            col.DEPTH_RMSE_CI_LOW,
+            col.DEPTH_RMSE_CI_HIGH,
         )
     )
     reach = np.nan_to_num(np.clip([error - low, high - error], 0, None))
@@ -153,7 +154,7 @@ def _measured(series: third.Series) -> _Curve:
 def _draw_legend(figure: Figure, result: SweepResult) -> None:
     """Both witnesses with their predictions, above the panels."""
     best = best_row(result)
-    method = METHODS.get(str(best["measured_method"]), "points")
+    method = METHODS.get(str(best[col.MEASURED_METHOD]), "points")
     value = noise_value(best)
     found = f"measured: {method}" + (f", {value} px of noise" if value else "")
     dot = Line2D([], [], color=_SIMULATED, marker="o", linestyle="none")
@@ -163,8 +164,8 @@ def _draw_legend(figure: Figure, result: SweepResult) -> None:
     )
     dashed = Line2D([], [], color=_MEASURED, linestyle=third.DASHES, linewidth=1.4)
     entries: list[tuple[Artist, str]] = [
-        (line, f"predicted from {plain(best['noise_px'])} px of noise"),
-        (dot, f"simulated with {plain(best['noise_px'])} px of noise, 95 % CI"),
+        (line, f"predicted from {plain(best[col.NOISE])} px of noise"),
+        (dot, f"simulated with {plain(best[col.NOISE])} px of noise, 95 % CI"),
         (dashed, "predicted from the accuracy they claim"),
         (diamond, found),
     ]
