@@ -58,10 +58,9 @@ def _kind(rig: StereoRig, light: tuple[Array, Array], shift_px: float, seed: int
     sensor = Sensor(grey_noise=NOISE_GREY)
     left = digitise(light[0], sensor, rng)
     right = digitise(_lower(light[1], shift_px), sensor, rng)
-    says = ""
     try:
         rows = measure_pair(left, right, rig, Wanted(matcher=None)).verdicts[0]
-        kind, says = rows.kind, rows.says
+        return rows.kind, rows.numbers["shift_px"] if rows.kind == "flagged" else 0.0
     except MeasurementFailed as error:
         kind, says = "flagged" if "right picture is" in str(error) else "refused", str(error)
     if "right picture is " not in says or kind != "flagged":

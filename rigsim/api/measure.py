@@ -109,8 +109,9 @@ class Measured(Result):
     def document(self, written: Written | None = None) -> Mapping[str, Any]:
         """All that was measured; docs/reference/measure.md says what the keys mean."""
         from rigsim.interop.files.measure import document
+        from rigsim.present.measure.words import sentence
 
-        return document(self.result, written)
+        return document(self.result, sentence, written)
 
     def print(self, folder: Path | None = None) -> None:
         """Print what was measured, and how sure it is."""

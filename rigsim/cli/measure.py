@@ -114,6 +114,7 @@ def measure(
         )
 
     from rigsim.present.measure.console import pair_pictures, print_pair
+    from rigsim.present.measure.words import sentence
 
     written = None
     if out is not None:
@@ -122,10 +123,10 @@ def measure(
 
         files = {**pair_pictures(result), **pair_files(result)}
         written = Written(folder=str(out), files=sorted([*files, "measure.json"]))
-        files["measure.json"] = json_bytes(document(result, written))
+        files["measure.json"] = json_bytes(document(result, sentence, written))
         folder.write_folder(out, files, force)
     if as_json:
-        print_document(document(result, written))
+        print_document(document(result, sentence, written))
     else:
         print_pair(result, out)
 

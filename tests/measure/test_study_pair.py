@@ -10,6 +10,7 @@ import pytest
 
 from benchmarks.subjects.checker_images import board_homography, board_image
 from rigsim.errors import InvalidImage, InvalidRange, MeasurementFailed
+from rigsim.present.measure.words import sentence
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
@@ -43,7 +44,7 @@ def keys(result: PairMeasurement) -> set[str]:
 
 
 def said(result: PairMeasurement, key: str) -> str:
-    (says,) = (finding.says for finding in result.findings if finding.key == key)
+    (says,) = (sentence(finding, result.rig) for finding in result.findings if finding.key == key)
     return says
 
 
@@ -415,7 +416,7 @@ def test_what_rows_cannot_tell_is_said_to_be_open():
     rows, along = result.verdicts
     assert rows.kind == "agrees"
     assert along.kind == "untold"
-    assert "shifted along its rows" in along.says
+    assert "shifted along its rows" in sentence(along, result.rig)
     # 28 px of disparity instead of 20: 1.43 m instead of 2
     assert np.median(result.patches.points_left[:, 2]) == pytest.approx(40 / 28, abs=1e-3)
     pair = flat()
@@ -431,12 +432,14 @@ def test_squares_of_a_known_side_tell_the_scale(side_mm: float, kind: str, word:
     result = measure_pair(left, right, rig, Wanted(board=(3, 4), square_m=side_mm / 1e3, matcher=None))
     along = result.verdicts[1]
     assert along.kind == kind
-    assert word in along.says
+    assert word in sentence(along, result.rig)
     if kind == "flagged":
         # 100 mm read where 90 are true: 11 % too far, as 20 px of disparity less 2.2 px would be
         off = abs(100 / side_mm - 1)
-        assert f"{100 * off:.2g} % too" in along.says
-        assert float(along.says.split("by some ")[1].split(" px")[0]) == pytest.approx(20 * off, rel=0.05)
+        assert f"{100 * off:.2g} % too" in sentence(along, result.rig)
+        assert float(sentence(along, result.rig).split("by some ")[1].split(" px")[0]) == pytest.approx(
+            20 * off, rel=0.05
+        )
 
 
 def test_a_few_matches_are_not_enough_to_tell():

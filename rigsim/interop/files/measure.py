@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 
@@ -23,7 +23,7 @@ from rigsim.pixels.dense.metrics import DisparityErrors
 from rigsim.pixels.dense.pfm import pfm_bytes
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.measure.result import DenseMap, PairMatches, PairMeasurement, eight_bit
+from rigsim.study.measure.result import DenseMap, Finding, PairMatches, PairMeasurement, eight_bit
 
 _PNG_BIT_DEPTH = 24  # byte of the header
 
@@ -65,14 +65,21 @@ def sources(paths: Mapping[str, Path]) -> dict[str, object]:
     }
 
 
-def document(result: PairMeasurement, written: Written | None = None) -> dict[str, object]:
+def document(
+    result: PairMeasurement, says: Callable[[Finding, StereoRig], str], written: Written | None = None
+) -> dict[str, object]:
     """Everything measured as one JSON document (docs/reference/measure.md); null where there is no number.
 
     Args:
         result: what was measured.
+        says: puts a finding into words.
         written: its folder and files; None when none was asked for.
     """
     best, dense = result.best_matches, result.dense
+
+    def told(finding: Finding) -> dict[str, object]:
+        return {"key": finding.key, "says": says(finding, result.rig), "kind": finding.kind}
+
     return {
         "n_matches": sum(matches.n for matches in result.matches),
         "epipolar_rms_px": _number(best.epipolar_rms_px),
@@ -89,8 +96,8 @@ def document(result: PairMeasurement, written: Written | None = None) -> dict[st
             "pixels": list(result.target),
             **{key: _number(value) for key, value in asdict(result.target_quality).items()},
         },
-        "verdicts": [asdict(verdict) for verdict in result.verdicts],
-        "warnings": [asdict(finding) for finding in result.findings],
+        "verdicts": [told(verdict) for verdict in result.verdicts],
+        "warnings": [told(finding) for finding in result.findings],
         "written": None if written is None else written.model_dump(),
     }
 

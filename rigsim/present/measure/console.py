@@ -12,10 +12,11 @@ from rich.console import Console
 from rigsim.present.kit.console import make_console, paragraph, print_table
 from rigsim.present.kit.format import count, length, length_mm, number, percent
 from rigsim.present.kit.pictures import disparity_picture, encode, picture_limits, with_scale
+from rigsim.present.measure.words import rows_in_short, sentence
 from rigsim.rig.arrays import Array, Image
 from rigsim.statistics import inner_range, rms, robust_rms
 from rigsim.study.measure.result import DenseMap, Finding, PairMatches, PairMeasurement, eight_bit
-from rigsim.study.measure.rows import row_verdict, verdict_words
+from rigsim.study.measure.rows import row_verdict
 from rigsim.study.measure.truth import OUTLIER_PX, DenseErrors
 
 _BINS = 5
@@ -72,17 +73,17 @@ def print_pair(
         style="bold",
     )
     for finding in result.findings:
-        paragraph(console, f"Warning: {finding.says}", style="bold yellow")
+        paragraph(console, f"Warning: {sentence(finding, rig)}", style="bold yellow")
     console.print()
     for matches in result.matches:
         rows = result.verdicts[0] if matches is result.best_matches else row_verdict(matches, rig)
-        for sentence in _sentences(matches, rows):
-            paragraph(console, sentence)
+        for said in _sentences(matches, rows):
+            paragraph(console, said)
         console.print()
         _print_by_depth(matches, console)
     for verdict in result.verdicts:
         if verdict.kind == "untold" or verdict.key == "along_rows":
-            paragraph(console, verdict.says)
+            paragraph(console, sentence(verdict, rig))
     console.print()
     if result.boards:
         _print_boards(result, console)
@@ -120,7 +121,7 @@ def _sentences(matches: PairMatches, rows: Finding) -> Iterator[str]:
     if math.isfinite(off_px):
         yield (
             f"They lie {_px(off_px)} px (RMS) off their epipolar lines, half of them within "
-            f"{_px(matches.epipolar_typical_px)} px: {verdict_words(rows)}."
+            f"{_px(matches.epipolar_typical_px)} px: {rows_in_short(rows)}."
         )
     yield (
         f"Predicted standard deviation of a disparity: {number(matches.predicted_std_px, 2)} px in the "

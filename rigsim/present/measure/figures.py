@@ -12,12 +12,13 @@ from PIL import Image as PillowImage
 
 from rigsim.present.kit.picture_figure import picture_figure
 from rigsim.present.measure.console import pair_pictures
+from rigsim.present.measure.words import sentence
 from rigsim.study.measure.result import PairMeasurement, eight_bit
 
 
 def headline(result: PairMeasurement) -> str:
     """What was concluded of the rows, and of what they cannot tell."""
-    return " ".join(verdict.says for verdict in result.verdicts)
+    return " ".join(sentence(verdict, result.rig) for verdict in result.verdicts)
 
 
 def pair_figures(result: PairMeasurement) -> Mapping[str, Callable[[], Figure]]:

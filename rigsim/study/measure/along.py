@@ -32,44 +32,32 @@ def along_verdict(
     judged = [m for m in matches if m.errors is not None and m.errors.errors.n >= _ENOUGH]
     if judged:
         if any(finding.key in _TRUTH_KEYS for finding in findings):
-            return Finding("along_rows", "Against the truth, disparities are off: see the warning.")
-        return Finding(
-            "along_rows", "Against the truth, disparities are neither too large nor too small.", "agrees"
-        )
+            return Finding("along_rows", "truth-off")
+        return Finding("along_rows", "truth-fits", "agrees")
     if square_m is not None and boards:
         return _squares(boards, rig, square_m)
-    return Finding(
-        "along_rows",
-        "What rows cannot tell is open: a picture shifted along its rows, a wrong baseline or a wrong focal "
-        "length leaves every match on its row and every depth wrong. Squares of a known side (--board with "
-        "--square) or a true disparity (--truth) tell.",
-        "untold",
-    )
+    return Finding("along_rows", "open", "untold")
 
 
 def _squares(boards: tuple[BoardFit, ...], rig: StereoRig, square_m: float) -> Finding:
     known = [b for b in boards if b.n > 3 and math.isfinite(b.square_m) and math.isfinite(b.distance_m)]
     if not known:
-        return Finding("along_rows", "No board was seen well enough to compare its squares.", "untold")
+        return Finding("along_rows", "no-board", "untold")
     ratio = np.array([board.square_m / square_m - 1 for board in known])
     # neighbouring sides share corners: as many count as there are corners
     se = np.array([max(board.square_std_m / math.sqrt(board.n), 1e-12) / square_m for board in known])
     weight = 1 / se**2
     off, off_se = float((ratio * weight).sum() / weight.sum()), float(1 / math.sqrt(weight.sum()))
-    says = f"Squares measure {1e3 * (1 + off) * square_m:.4g} mm where {1e3 * square_m:.4g} are true"
+    numbers = {
+        "found_mm": 1e3 * (1 + off) * square_m,
+        "true_mm": 1e3 * square_m,
+        "off_pct": 100 * off,
+        "off_se_pct": 100 * off_se,
+    }
     if abs(off) > max(_LEAST, _CERTAIN * off_se):
         distance_m = float((np.array([b.distance_m for b in known]) * weight).sum() / weight.sum())
         shift_px = abs(off) * rig.left.fx * rig.baseline_m / distance_m
-        side = "large" if off > 0 else "small"
-        return Finding(
-            "scale",
-            f"{says}: distances are {100 * abs(off):.2g} % too {side}. The baseline or the focal length is "
-            f"wrong by as much, or a picture is shifted along its rows by some {shift_px:.2g} px.",
-        )
+        return Finding("scale", "squares-off", numbers={**numbers, "shift_px": shift_px})
     if abs(off) + 3 * off_se > _CLOSE:
-        return Finding("along_rows", f"{says}, +- {100 * off_se:.2g} %: too uncertain to tell.", "untold")
-    return Finding(
-        "along_rows",
-        f"{says}, +- {100 * off_se:.2g} %: no shift along the rows, and the scale is right.",
-        "agrees",
-    )
+        return Finding("along_rows", "squares-uncertain", "untold", numbers)
+    return Finding("along_rows", "squares-fit", "agrees", numbers)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -14,8 +15,52 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.statistics import rms
 from rigsim.study.measure.truth import DenseErrors, MatchErrors
 
+_SHIFT_PX = 0.1
+_TILT_PX = 0.15
+_CERTAIN = 5.0
+
 Target = tuple[int, int, int, int]
 """A rectangle of pixels: first column, first row, width and height."""
+
+
+@dataclass(frozen=True, slots=True)
+class RowFit:
+    """Residuals of matches fitted by ``shift + turn u + growth v`` about their middle."""
+
+    n: int
+    """Matches that tell."""
+    shift_px: float
+    """Mean residual, px; positive is too low in the right picture."""
+    shift_se_px: float
+    """Its standard error, px."""
+    turn: float
+    """Change along the row, px/px, which is an angle in radians; positive is clockwise."""
+    growth: float
+    """Change along the column, px/px; positive is larger in the right picture."""
+    half_width_px: float
+    """Half of the matches' extent along the row, px."""
+    half_height_px: float
+    """Half of their extent along the column, px."""
+
+    @property
+    def tilt_limit_px(self) -> float:
+        """The turn or growth at the matches' border that is taken for one, px."""
+        return max(_TILT_PX, _CERTAIN * math.sqrt(3) * self.shift_se_px)
+
+    @property
+    def is_shifted(self) -> bool:
+        """Whether the shift is more than chance and more than nothing."""
+        return abs(self.shift_px) > max(_SHIFT_PX, _CERTAIN * self.shift_se_px)
+
+    @property
+    def is_tilted(self) -> bool:
+        """Whether the right picture is turned."""
+        return abs(self.turn) * self.half_width_px > self.tilt_limit_px
+
+    @property
+    def is_scaled(self) -> bool:
+        """Whether the right picture is larger or smaller."""
+        return abs(self.growth) * self.half_height_px > self.tilt_limit_px
 
 
 FindingKind = Literal["agrees", "flagged", "untold"]
@@ -27,10 +72,16 @@ class Finding:
 
     key: str
     """Its reason, a name for machines."""
-    says: str
-    """A sentence or two for people, with numbers."""
+    form: str
+    """Which of its forms, likewise: `rigsim.present.measure.words` has a sentence for each."""
     kind: FindingKind = "flagged"
     """agrees, flagged (something should make one doubt the numbers), or untold: not enough to tell."""
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    """What it goes by, units in the names."""
+    of: str = ""
+    """What was matched, patches or corners; or the reason why nothing was."""
+    rows: RowFit | None = None
+    """The residuals that tell of the rows."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,13 +16,12 @@ docs/reference/measure.md gives false alarms and power.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from rigsim.rig.stereo import StereoRig
 from rigsim.statistics import robust_rms
-from rigsim.study.measure.result import Finding, PairMatches
+from rigsim.study.measure.result import Finding, PairMatches, RowFit
 
 LOW_SHARE = 0.08
 """Rectified pairs match a tenth of their points even in heavy noise; swapped ones, or pairs whose rows
@@ -37,52 +36,8 @@ alone can raise the RMS."""
 
 _ENOUGH = {"patches": 30, "corners": 8}
 _OVERLAP = {"patches": 4.0, "corners": 1.0}
-_SHIFT_PX = 0.1
-_TILT_PX = 0.15
-_CERTAIN = 5.0
 _HUBER_PX = 0.3
 _REWEIGHTED = 20
-_WORDS = {"agrees": "the rows fit", "flagged": "see the warning", "untold": "not enough to tell"}
-
-
-@dataclass(frozen=True, slots=True)
-class RowFit:
-    """Residuals of matches fitted by ``shift + turn u + growth v`` about their middle."""
-
-    n: int
-    """Matches that tell."""
-    shift_px: float
-    """Mean residual, px; positive is too low in the right picture."""
-    shift_se_px: float
-    """Its standard error, px."""
-    turn: float
-    """Change along the row, px/px, which is an angle in radians; positive is clockwise."""
-    growth: float
-    """Change along the column, px/px; positive is larger in the right picture."""
-    half_width_px: float
-    """Half of the matches' extent along the row, px."""
-    half_height_px: float
-    """Half of their extent along the column, px."""
-
-    @property
-    def tilt_limit_px(self) -> float:
-        """The turn or growth at the matches' border that is taken for one, px."""
-        return max(_TILT_PX, _CERTAIN * math.sqrt(3) * self.shift_se_px)
-
-    @property
-    def is_shifted(self) -> bool:
-        """Whether the shift is more than chance and more than nothing."""
-        return abs(self.shift_px) > max(_SHIFT_PX, _CERTAIN * self.shift_se_px)
-
-    @property
-    def is_tilted(self) -> bool:
-        """Whether the right picture is turned."""
-        return abs(self.turn) * self.half_width_px > self.tilt_limit_px
-
-    @property
-    def is_scaled(self) -> bool:
-        """Whether the right picture is larger or smaller."""
-        return abs(self.growth) * self.half_height_px > self.tilt_limit_px
 
 
 def fit_rows(matches: PairMatches) -> RowFit:
@@ -120,75 +75,31 @@ def row_verdict(matches: PairMatches, rig: StereoRig, found_px: float | None = N
         found_px: how far too low the right picture was found to be when matches were looked for on other
             rows; None when they were not, or found nothing.
     """
-    claimed = "rectified as the rig says" if rig.is_rectified else "as the rig says"
-    trust = "Depths and predicted accuracies are not to be trusted: calibrate or rectify again."
     if found_px is not None:
-        return Finding(
-            "not_rectified",
-            f"The pair is not {claimed}: it matches on other rows. {shift_words(found_px, rig)} {trust}",
-        )
+        return Finding("not_rectified", "other-rows", numbers={"shift_px": found_px})
     rows = fit_rows(matches)
     share = matches.n / matches.n_tried
     if rows.n < _ENOUGH[matches.kind] or (matches.kind == "patches" and share < LOW_SHARE):
-        return Finding(
-            "rows_untold",
-            f"Whether the rows correspond is open: {rows.n} of {matches.n_tried} {matches.kind} tell, which "
-            "may be chance.",
-            "untold",
-        )
+        few = {"n": rows.n, "n_tried": matches.n_tried}
+        return Finding("rows_untold", "too-few", "untold", few, matches.kind)
     if rows.is_shifted or rows.is_tilted or rows.is_scaled or is_misaligned(matches):
-        return Finding(
-            "not_rectified",
-            f"The pair is not {claimed}: matches lie {matches.epipolar_rms_px:.2f} px (RMS) off their "
-            f"epipolar lines, and {rows.shift_px:+.3f} +- {rows.shift_se_px:.3f} px in the mean. "
-            f"{_fault(rows, rig)} {trust}",
-        )
+        off = {"epipolar_rms_px": matches.epipolar_rms_px, "shift_px": rows.shift_px}
+        return Finding("not_rectified", "off-lines", numbers=off, rows=rows)
     if abs(rows.shift_px) + 3 * rows.shift_se_px > EPIPOLAR_RMS_PX:
-        return Finding(
-            "rows_untold",
-            f"Whether the rows correspond is open: {rows.n} matches tell the shift only to within "
-            f"{3 * rows.shift_se_px:.2f} px.",
-            "untold",
-        )
-    return Finding(
-        "rows_fit",
-        f"The rows fit: the right picture is {abs(rows.shift_px):.3f} +- {rows.shift_se_px:.3f} px too "
-        f"{_down(rows.shift_px)}, which is nothing.",
-        "agrees",
-    )
-
-
-def verdict_words(finding: Finding) -> str:
-    """A few words for a verdict on rows."""
-    return _WORDS[finding.kind]
+        return Finding("rows_untold", "too-uncertain", "untold", rows=rows)
+    return Finding("rows_fit", "fit", "agrees", rows=rows)
 
 
 def shift_words(shift_px: float, rig: StereoRig) -> str:
-    """How far too low the right picture is, and what of the rig would make it so."""
+    """How far too low the right picture is, and what of the rig would make it so, as errors say it."""
     turn_deg = math.degrees(math.atan(abs(shift_px) / rig.right.fy))
     up, small = ("up", "small") if shift_px > 0 else ("down", "large")
     return (
-        f"The right picture is {abs(shift_px):.2f} px too {_down(shift_px)}, as if its camera looked {up} by "
+        f"The right picture is {abs(shift_px):.2f} px too {down(shift_px)}, as if its camera looked {up} by "
         f"{turn_deg:.2g} deg more, or its cy in the rig were {abs(shift_px):.2f} px too {small}."
     )
 
 
-def _fault(rows: RowFit, rig: StereoRig) -> str:
-    """What kind of error the rows show."""
-    says = []
-    if rows.is_shifted:
-        says.append(f"{abs(rows.shift_px):.2f} px too {_down(rows.shift_px)}")
-    if rows.is_tilted:
-        turn = "clockwise" if rows.turn > 0 else "counter-clockwise"
-        says.append(f"turned {turn} by about {math.degrees(abs(math.atan(rows.turn))):.2g} deg")
-    if rows.is_scaled:
-        says.append(f"{'larger' if rows.growth > 0 else 'smaller'} by about {100 * abs(rows.growth):.2g} %")
-    if not says:
-        return "They share no shift and no turn: wrong matches, or pictures not taken at one moment."
-    if rows.is_shifted and len(says) == 1:
-        return shift_words(rows.shift_px, rig)
-    return f"The right picture is {', '.join(says[:-1])}{' and ' if len(says) > 1 else ''}{says[-1]}."
-
-
-def _down(shift_px: float) -> str:
+def down(shift_px: float) -> str:
+    """Which way a picture is off that is too low by so much."""
     return "low" if shift_px > 0 else "high"

@@ -22,11 +22,11 @@ from rigsim.rig.arrays import AnyImage, Array
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.measure.along import along_verdict
 from rigsim.study.measure.dense import dense_map, target_quality
+from rigsim.study.measure.findings import board_findings, dense_findings, match_findings
 from rigsim.study.measure.matches import corner_matches, patch_matches
 from rigsim.study.measure.result import BoardFit, Finding, PairMatches, PairMeasurement, Target
 from rigsim.study.measure.rows import LOW_SHARE, row_verdict, shift_words
 from rigsim.study.measure.truth import check_truth
-from rigsim.study.measure.words import board_findings, dense_findings, match_findings
 
 _SWAPPED = 3  # times as many matches the other way round
 _SEARCHED_BELOW = 0.5  # share of points that tell something of the rows
@@ -164,7 +164,7 @@ def _conclude(
     rows = row_verdict(measured[0], rig, None if look.shift is None else look.shift.rows_px)
     findings: list[Finding] = []
     if look.patches is None:
-        findings.append(Finding("no_patches", f"Corners alone were measured. Patches: {look.why}.", "untold"))
+        findings.append(Finding("no_patches", "corners-alone", "untold", of=look.why))
     else:
         findings += match_findings(look.patches, rig)
     if corners is not None:
