@@ -75,6 +75,16 @@ def test_commands_of_a_page_run_and_print_what_is_shown(
     assert_shown(page.shown.get(command, "...\n"), printed)
 
 
+def test_the_python_of_the_how_to_page_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    text = (DOCS / "howto" / "python.md").read_text(encoding="utf-8")
+    for example in re.findall(r"^```python\n(.*?)^```", text, re.DOTALL | re.MULTILINE):
+        exec(compile(example, "python.md", "exec"), {})
+    printed = capsys.readouterr().out
+    assert "mm of baseline gives" in printed
+    # sigma_Z = Z^2 sqrt(2) sigma / (f B), f = 640 / tan 35 deg
+    assert "29 mm at 3 m" in printed
+
+
 def printed_by(command: str, commands: list[str], capsys: pytest.CaptureFixture[str]) -> str:
     """What one of a page's `commands` prints, earlier ones having been run where it reads what they write."""
     words = shlex.split(command.removeprefix("./run "))
