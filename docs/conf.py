@@ -28,7 +28,14 @@ extensions = [
     "sphinx_design",
     "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["_build", "gallery", "schema", "examples", "**/GALLERY_HEADER.rst"]
+exclude_patterns = [
+    "sg_execution_times.rst",
+    "_build",
+    "gallery",
+    "schema",
+    "examples",
+    "**/GALLERY_HEADER.rst",
+]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 
 myst_enable_extensions = ["colon_fence"]
@@ -58,7 +65,7 @@ sphinx_gallery_conf = {
     "show_signature": False,
     "show_memory": False,
     "min_reported_time": 1e9,
-    "image_scrapers": ("matplotlib",),
+    "image_scrapers": ("matplotlib", "figures"),
     "matplotlib_animations": False,
     "thumbnail_size": (360, 252),
     "capture_repr": ("_repr_html_",),

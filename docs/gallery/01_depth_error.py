@@ -15,7 +15,7 @@ z_m = np.linspace(0.5, 5, 50)
 axis = np.outer(z_m, [0, 0, 1])  # points on the left camera's optical axis
 
 for name in ("oak-d", "d455", "zed-2i"):
-    std_m = rigsim.predict_depth_std(rigsim.preset(name).rig, axis, noise)
+    std_m = rigsim.predict_depth_std(rigsim.read_rig(name), axis, noise)
     plt.plot(z_m, 1000 * std_m, label=name)
 
 plt.xlabel("distance, m")

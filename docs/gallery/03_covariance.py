@@ -12,7 +12,7 @@ from matplotlib.patches import Ellipse
 
 import rigsim
 
-rig = rigsim.preset("oak-d").rig
+rig = rigsim.read_rig("oak-d")
 x, z = np.meshgrid(np.linspace(-0.9, 0.9, 5), np.linspace(0.8, 2.0, 4))
 points = np.column_stack([x.ravel(), 0 * x.ravel(), z.ravel()])
 covariance = rigsim.predict_covariance(rig, points, rigsim.PixelNoise(0.25))

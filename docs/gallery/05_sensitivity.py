@@ -10,7 +10,7 @@ import numpy as np
 
 import rigsim
 
-rig = rigsim.preset("d455").rig
+rig = rigsim.read_rig("d455")
 z_m = np.linspace(0.5, 5, 50)
 sensitivity = rigsim.depth_sensitivity(rig, np.outer(z_m, [0, 0, 1]))
 

@@ -11,7 +11,7 @@ import numpy as np
 
 import rigsim
 
-assumed = rigsim.preset("oak-d").rig
+assumed = rigsim.read_rig("oak-d")
 true = rigsim.Perturbation(yaw_rad=np.radians(0.05)).apply(assumed)
 
 z_m = np.linspace(0.5, 6, 100)

@@ -189,3 +189,10 @@ def test_depths_are_drawn_where_most_points_are_missing() -> None:
     figure = case_figure(replace(result, found_left=found))
     assert figure.axes[-1].get_ylabel() == "found depth, m"
     assert figure.axes[-1].get_ylim()[0] < -0.5
+
+
+def test_a_case_without_any_answer_is_drawn() -> None:
+    result = case_of(right, "verged exact")
+    assert result.found_left is not None
+    figure = case_figure(replace(result, found_left=result.found_left * float("nan")))
+    assert figure.axes[-1].get_ylabel() == "found depth, m"

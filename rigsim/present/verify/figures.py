@@ -122,7 +122,7 @@ def _draw_depths(axes: Axes, result: CaseResult, asked: Mask) -> None:
     axes.set_ylabel("found depth, m")
     axes.set_title("Found depth, line: right", fontsize=9.5)
     axes.scatter(true[back], found[back], s=4, color=style.BLUE, rasterized=True)
-    low, high = inner_range(found[back], 0.02)
+    low, high = inner_range(found[back], 0.02) if back.any() else (0.0, 0.0)
     low, high = min(low, 0.0), max(high, float(true.max()))
     axes.plot([0, true.max()], [0, true.max()], color=style.VERMILION)
     margin = 0.05 * (high - low)
