@@ -10,8 +10,10 @@ import numpy as np
 from rigsim.errors import TriangulatorError
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.verify.case import Case
 from rigsim.study.verify.result import Diagnosis, TriangulatorResult, VerifyResult
-from rigsim.study.verify.session import Selection, gather, run
+from rigsim.study.verify.session import Gathered, Selection, gather, run
+from rigsim.study.verify.suite import synthetic_cases
 from rigsim.theory.triangulation import METHODS
 
 Function = Callable[[StereoRig, Array, Array], Array]
@@ -40,6 +42,19 @@ def breaks_on_far(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
     if rig.left.width == 1920:
         raise TriangulatorError("it broke <\x00&>")
     return right(rig, uv_left, uv_right)
+
+
+@cache
+def quick() -> Gathered:
+    """The whole quick suite, scenes and their pictures included: made once a process."""
+    return gather(Selection("quick"))
+
+
+@cache
+def telling() -> tuple[Case, ...]:
+    """The quick suite's cases without noise, those of random rigs left out: what most mistakes show in."""
+    cases = synthetic_cases("quick", 5)
+    return tuple(case for case in cases if case.kind != "noisy" and not case.group.startswith("random"))
 
 
 SMALL = Selection(patterns=("rectified", "verged", "far exact", "nowhere"), scenes=())

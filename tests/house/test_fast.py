@@ -5,6 +5,9 @@ from __future__ import annotations
 import importlib.util
 import subprocess
 from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 _spec = importlib.util.spec_from_file_location("fast", ROOT / "tools" / "fast.py")
@@ -73,6 +76,8 @@ def test_what_changed_is_what_git_says(tmp_path: Path) -> None:
     assert fast.changed(tmp_path) == ["a.py", "c.py"]  # all that main does not have
 
 
-def test_no_test_is_begun_once_the_time_is_over() -> None:
-    end = fast.Deadline(0.0), fast.Deadline(4e9)
-    assert [one.pytest_runtest_protocol() for one in end] == [True, None]
+def test_no_test_is_begun_once_the_time_is_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = iter([100.0, 129.0, 131.0])
+    monkeypatch.setattr(fast, "time", SimpleNamespace(monotonic=lambda: next(now)))
+    deadline = fast.Deadline(30.0)  # from the first test, however long it took to find them
+    assert [deadline.pytest_runtest_protocol() for _ in range(3)] == [None, None, True]

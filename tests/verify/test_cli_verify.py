@@ -13,6 +13,7 @@ import pytest
 from rigsim.cli.app import run
 from rigsim.study.verify import session
 from tests.helpers.documents import valid
+from tests.helpers.verify_results import quick
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "reference" / "verify.md").read_text(encoding="utf-8")
 FEW = ["verify", "--scene", "none"]
@@ -211,8 +212,7 @@ def test_the_page_says_what_every_key_means(capsys: pytest.CaptureFixture[str]) 
 def test_the_pages_function_fails_as_shown(
     beside: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    every = session.gather(session.Selection())
-    monkeypatch.setattr(session, "gather", lambda *_: every)  # the cases are the same both times
+    monkeypatch.setattr(session, "gather", lambda *_: quick())  # the cases are the same both times
     (source,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
     wrong, right = "(right, left, uv_left.T", "(left, right, uv_left.T"
     assert source.count(wrong) == 1

@@ -32,6 +32,7 @@ BY_NAME = {geometry.name: geometry for geometry in GEOMETRIES}
 
 @pytest.fixture(scope="module")
 def cases() -> list[Case]:
+    # those of random rigs too: some conditions hold in them alone
     return [case for case in synthetic_cases("quick", 5) if case.kind != "noisy"]
 
 

@@ -12,13 +12,12 @@ from benchmarks.subjects.mutant import Mutant
 from benchmarks.subjects.mutant_names import NAMES, named_right
 from benchmarks.subjects.mutants import MUTANTS
 from rigsim.rig.arrays import Array
-from rigsim.study.verify.case import Case
 from rigsim.study.verify.checks import statistical_checks
 from rigsim.study.verify.runner import FALSE_ALARM, run_case, verify
-from rigsim.study.verify.session import Selection, gather
 from rigsim.theory.custom import Triangulator
 from rigsim.theory.triangulation import triangulate
 from tests.helpers.sampling import RIGS, noisy, points_in_view
+from tests.helpers.verify_results import quick
 
 RIGHT: dict[str, Triangulator] = {
     "linear": triangulators.linear,
@@ -90,26 +89,21 @@ def test_names_are_unique_and_each_has_its_diagnosis() -> None:
     assert [mutant.name for mutant in MUTANTS] == list(NAMES)
 
 
-@cache
-def quick() -> tuple[Case, ...]:
-    return gather(Selection("quick")).cases
-
-
 @pytest.mark.parametrize("name", [*RIGHT, "unchecked"])
 def test_the_right_ones_pass(name: str) -> None:
-    (result,) = verify(quick(), {name: RIGHT.get(name, triangulators.unchecked)})
+    (result,) = verify(quick().cases, {name: RIGHT.get(name, triangulators.unchecked)})
     assert result.passed()
     assert not result.diagnoses
 
 
 @pytest.mark.parametrize("mutant", ALWAYS, ids=[mutant.name for mutant in ALWAYS])
 def test_no_mutant_passes(mutant: Mutant) -> None:
-    share = FALSE_ALARM / sum(statistical_checks(case) for case in quick())
-    statuses = (run_case(case, mutant.name, mutant.function, share).status() for case in quick())
+    share = FALSE_ALARM / sum(statistical_checks(case) for case in quick().cases)
+    statuses = (run_case(case, mutant.name, mutant.function, share).status() for case in quick().cases)
     if not mutant.only_strict:
         assert any(status in ("failed", "error") for status in statuses)  # the first is enough
         return
-    by_case = {case.name: status for case, status in zip(quick(), statuses, strict=True)}
+    by_case = {case.name: status for case, status in zip(quick().cases, statuses, strict=True)}
     assert "error" not in by_case.values()
     # cameras that look from two sides make more than half again as much of it: there it fails
     wide = {"convergent noisy", "from the side noisy"}
@@ -121,5 +115,5 @@ def test_no_mutant_passes(mutant: Mutant) -> None:
 )
 def test_the_commonest_are_named(name: str) -> None:
     (mutant,) = (mutant for mutant in MUTANTS if mutant.name == name)
-    (result,) = verify(quick(), {name: mutant.function})
+    (result,) = verify(quick().cases, {name: mutant.function})
     assert named_right(mutant, result.diagnoses)
