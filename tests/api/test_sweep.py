@@ -46,7 +46,9 @@ def test_the_example_of_the_issue_has_what_it_asks_for() -> None:
 
 def test_a_result_has_table_verdict_figures_files_and_document(small: Sweep, tmp_path: Path) -> None:
     assert isinstance(small, Result | rigsim.SweepResult)
-    assert small.table is small.rows
+    assert small.table.columns.tolist() == small.rows.columns.tolist()
+    assert small.table["agreement"].tolist() == ["agrees", "agrees"]
+    assert [agreement.kind for agreement in small.rows["agreement"]] == ["agrees", "agrees"]
     assert small.verdict.headline == small.headline
     assert list(small.figures) == ["depth_error", "topdown"]  # rays measure nothing
     assert small.figure().axes
