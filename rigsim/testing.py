@@ -59,9 +59,9 @@ def assert_triangulates(
         RigsimError: an argument cannot be: unknown suite, scene or name.
     """
     __tracebackhide__ = True  # pytest then shows the caller's line, not this one
+    from rigsim.present.verify.failure import failure_text
     from rigsim.study.triangulators.registry import named
     from rigsim.study.verify.case import Case
-    from rigsim.study.verify.failure import failure_text
     from rigsim.study.verify.runner import verify
 
     if cases is None:

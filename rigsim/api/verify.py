@@ -119,8 +119,9 @@ class Verified(Result):
     def junit(self) -> bytes:
         """The verification as JUnit XML."""
         from rigsim.interop.files.junit import junit_bytes
+        from rigsim.present.verify import words
 
-        return junit_bytes(self.result, self.strict)
+        return junit_bytes(self.result, words, self.strict)
 
     def document(self, written: Written | None = None) -> Mapping[str, Any]:
         """The verification; docs/reference/verify.md says what the keys mean."""

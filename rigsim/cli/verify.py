@@ -192,17 +192,18 @@ def _deliver(
     from rigsim.interop.files import folder
     from rigsim.interop.files.junit import junit_bytes
     from rigsim.interop.files.tables import json_bytes
+    from rigsim.present.verify import words as said
 
     document = verify_document(result, strict, golden)
     if junit is not None:
-        folder.write_file(junit, junit_bytes(result, strict))
+        folder.write_file(junit, junit_bytes(result, said, strict))
     if out is not None:
         from rigsim.present.verify.page import verify_html
 
         files = {
             "verify.html": verify_html(result, strict, again).encode(),
             "verify.json": json_bytes(document),
-            "junit.xml": junit_bytes(result, strict),
+            "junit.xml": junit_bytes(result, said, strict),
         }
         folder.write_folder(out, files, force)
     if as_json:

@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 import pytest
 
 from rigsim.interop.files.junit import junit_bytes
+from rigsim.present.verify import words
 from rigsim.study.verify.result import VerifyResult
 from tests.helpers.verify_results import DIAGNOSES, breaks_on_far, result_of, right, swapped, wasteful
 
@@ -18,7 +19,7 @@ CASE_ORDER = ["skipped", "error", "failure", "system-out"]
 
 
 def parsed(result: VerifyResult, strict: bool = False) -> ElementTree.Element:
-    return ElementTree.fromstring(junit_bytes(result, strict))
+    return ElementTree.fromstring(junit_bytes(result, words, strict))
 
 
 @pytest.mark.parametrize("strict", [False, True])

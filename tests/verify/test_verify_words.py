@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rigsim.study.verify import words
+from rigsim.present.verify import words
 from rigsim.study.verify.result import Check
 from rigsim.study.verify.session import gather
 from rigsim.study.verify.worst import pixel_errors, worst_rows

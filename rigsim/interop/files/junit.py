@@ -7,19 +7,30 @@ that Jenkins and GitLab read.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
+from typing import Protocol
 from xml.etree import ElementTree
 
-from rigsim.study.verify.result import CaseResult, TriangulatorResult, VerifyResult
-from rigsim.study.verify.words import diagnoses, failures, reason
+from rigsim.study.verify.result import CaseResult, Diagnosis, TriangulatorResult, VerifyResult
 
 _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
-def junit_bytes(result: VerifyResult, strict: bool = False) -> bytes:
+class Words(Protocol):
+    """The sentences of the report, made by whoever calls: `rigsim.present.verify.words` has them."""
+
+    def reason(self, result: CaseResult, strict: bool) -> str:
+        """Why a case failed, one line."""
+
+    def diagnoses(self, found: Sequence[Diagnosis]) -> Sequence[str]:
+        """What the failures look like, best first."""
+
+
+def junit_bytes(result: VerifyResult, words: Words, strict: bool = False) -> bytes:
     """The verification as an XML document in UTF-8."""
     root = ElementTree.Element("testsuites")
     for one in result.triangulators:
-        root.append(_suite(one, result, strict))
+        root.append(_suite(one, result, words, strict))
     for name in ("tests", "failures", "errors", "skipped"):
         root.set(name, str(sum(int(suite.get(name, "0")) for suite in root)))
     root.set("time", f"{sum(float(suite.get('time', '0')) for suite in root):.6f}")
@@ -27,7 +38,7 @@ def junit_bytes(result: VerifyResult, strict: bool = False) -> bytes:
     return bytes(ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)) + b"\n"
 
 
-def _suite(one: TriangulatorResult, result: VerifyResult, strict: bool) -> ElementTree.Element:
+def _suite(one: TriangulatorResult, result: VerifyResult, words: Words, strict: bool) -> ElementTree.Element:
     status = [case.status(strict) for case in one.results]
     suite = ElementTree.Element(
         "testsuite",
@@ -44,13 +55,13 @@ def _suite(one: TriangulatorResult, result: VerifyResult, strict: bool) -> Eleme
     for name, value in {"suite": result.suite, "seed": result.seed, **result.provenance}.items():
         ElementTree.SubElement(properties, "property", {"name": name, "value": _clean(str(value))})
     for case in one.results:
-        suite.append(_case(case, strict))
+        suite.append(_case(case, words, strict))
     if one.diagnoses:
-        ElementTree.SubElement(suite, "system-out").text = _clean("\n".join(diagnoses(one.diagnoses)))
+        ElementTree.SubElement(suite, "system-out").text = _clean("\n".join(words.diagnoses(one.diagnoses)))
     return suite
 
 
-def _case(result: CaseResult, strict: bool) -> ElementTree.Element:
+def _case(result: CaseResult, words: Words, strict: bool) -> ElementTree.Element:
     element = ElementTree.Element(
         "testcase",
         {
@@ -59,13 +70,13 @@ def _case(result: CaseResult, strict: bool) -> ElementTree.Element:
             "time": f"{result.seconds:.6f}",
         },
     )
-    status, why = result.status(strict), _clean(reason(result, strict))
+    status, why = result.status(strict), _clean(words.reason(result, strict))
     if status == "not applicable":
         ElementTree.SubElement(element, "skipped", {"message": _clean(result.not_applicable)})
     elif status == "error":
         ElementTree.SubElement(element, "error", {"message": why, "type": "error"}).text = why
     elif status == "failed":
-        bad = failures(result, strict)
+        bad = result.failures(strict)
         says = [result.case.about, *(f"{check.name}: {check.why}" for check in bad)]
         failure = ElementTree.SubElement(element, "failure", {"message": why, "type": bad[0].name})
         failure.text = _clean("\n".join([why, *says]))

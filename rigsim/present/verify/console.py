@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from rigsim.present.kit.console import make_console, paragraph, print_table, say
 from rigsim.present.kit.format import ratio
-from rigsim.study.verify import words
+from rigsim.present.verify import words
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.result import CaseResult, Check, TriangulatorResult, VerifyResult
 
@@ -109,7 +109,7 @@ def failure_rows(results: Iterable[CaseResult], strict: bool) -> list[tuple[str,
     """One line a failing case: its first failing check, and the names of the others."""
     rows: list[tuple[str, ...]] = []
     for result in results:
-        first, *others = words.failures(result, strict)
+        first, *others = result.failures(strict)
         rows.append(
             (
                 result.case.name,

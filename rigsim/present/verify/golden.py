@@ -7,8 +7,8 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 from rigsim.present.kit.console import make_console, paragraph, print_table, say
+from rigsim.present.verify.words import amount
 from rigsim.study.verify.golden import VERDICTS, GoldenReport, Move
-from rigsim.study.verify.words import amount
 
 if TYPE_CHECKING:
     from rich.console import Console

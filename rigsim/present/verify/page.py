@@ -10,6 +10,7 @@ from markupsafe import Markup
 
 from rigsim.present.kit import style
 from rigsim.present.kit.page import fill, flat
+from rigsim.present.verify import words
 from rigsim.present.verify.console import (
     FAILURE_HEADS,
     GROUP_HEADS,
@@ -21,7 +22,6 @@ from rigsim.present.verify.console import (
 )
 from rigsim.present.verify.figures import case_figure
 from rigsim.rig.arrays import Array
-from rigsim.study.verify import words
 from rigsim.study.verify.result import CaseResult, Check, TriangulatorResult, VerifyResult
 from rigsim.study.verify.runner import FALSE_ALARM
 from rigsim.study.verify.worst import WorstRow, pixel_errors, worst_rows
@@ -141,7 +141,7 @@ def _section(one: TriangulatorResult, strict: bool, again: Sequence[str], prefix
 
 
 def _failing(result: CaseResult, strict: bool, name: str) -> FailingCase:
-    case, checks = result.case, words.failures(result, strict)
+    case, checks = result.case, result.failures(strict)
     figure = Markup("")
     if _has_points(result):
         figure = Markup(style.to_svg(case_figure(result), name, f"Errors in {case.name}"))

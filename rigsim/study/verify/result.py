@@ -97,6 +97,10 @@ class CaseResult:
         bad = [check for check in self.checks if not check.ok]
         return tuple(sorted(bad, key=lambda check: check.only_strict))
 
+    def failures(self, strict: bool = False) -> tuple[Check, ...]:
+        """Those that make the case fail; efficiency counts when one is strict."""
+        return tuple(check for check in self.failed_checks if strict or not check.only_strict)
+
 
 @dataclass(frozen=True, slots=True)
 class Diagnosis:

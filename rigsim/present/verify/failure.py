@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from rigsim.present.verify import words
 from rigsim.rig.arrays import Array
-from rigsim.study.verify import words
 from rigsim.study.verify.result import CaseResult, TriangulatorResult
 from rigsim.study.verify.worst import WorstRow, worst_rows
 
@@ -36,7 +36,7 @@ def _cases(failed: Sequence[CaseResult], strict: bool) -> str:
         if result.error:
             table.append((result.case.name, "error", "", result.error))
             continue
-        bad = {check.name: check for check in words.failures(result, strict)}
+        bad = {check.name: check for check in result.failures(strict)}
         check = bad.get("exact") or next(iter(bad.values()))  # a distance says more than a count
         means = words.MEANS.get(check.name, check.name)
         table.append((result.case.name, words.found(check), words.allowed(check), means))

@@ -86,14 +86,9 @@ def sentence(check: Check) -> str:
     return f"{check.name}: {found(check)}, allowed {allowed(check)}"
 
 
-def failures(result: CaseResult, strict: bool) -> tuple[Check, ...]:
-    """The checks that make a case fail; efficiency counts when one is strict."""
-    return tuple(check for check in result.failed_checks if strict or not check.only_strict)
-
-
 def reason(result: CaseResult, strict: bool) -> str:
     """Why a case failed, one line."""
-    return result.error or "; ".join(sentence(check) for check in failures(result, strict))
+    return result.error or "; ".join(sentence(check) for check in result.failures(strict))
 
 
 def verdict(result: TriangulatorResult, strict: bool) -> str:
