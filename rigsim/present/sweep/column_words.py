@@ -12,7 +12,7 @@ from rigsim.study.scene.column import Format
 
 
 @dataclass(frozen=True, slots=True)
-class Column:
+class ShownColumn:
     """One column of a table for people."""
 
     name: str
@@ -43,8 +43,10 @@ _SHOW: Mapping[Format, Callable[[Any], str]] = {
     "metres": lambda value: fmt.number(value / 1e3),
 }
 
-COLUMNS: dict[str, Column] = {
-    column.name: Column(column.name, column.heading, column.shown_unit, _SHOW[column.format], column.numeric)
+COLUMNS: dict[str, ShownColumn] = {
+    column.name: ShownColumn(
+        column.name, column.heading, column.shown_unit, _SHOW[column.format], column.numeric
+    )
     for column in columns.COLUMNS.values()
 }
 """Every column a report may show, by its name in the table."""

@@ -14,7 +14,7 @@ from rigsim.rig.arrays import Mask
 from rigsim.study.agreement.fault import Fault
 from rigsim.study.scene import columns as col
 
-Kind: TypeAlias = Literal["agrees", "flagged", "untold"]
+AgreementKind: TypeAlias = Literal["agrees", "flagged", "untold"]
 Witness: TypeAlias = Literal["simulated", "measured", ""]
 Reason: TypeAlias = Literal[
     "",
@@ -42,7 +42,7 @@ Reason: TypeAlias = Literal[
 ]
 """Why an agreement is no plain one; `Agreement` tells which number goes with which."""
 
-_ORDER: tuple[Kind, ...] = ("flagged", "untold", "agrees")
+_ORDER: tuple[AgreementKind, ...] = ("flagged", "untold", "agrees")
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +59,7 @@ class Place:
 class Agreement:
     """What one comparison came to."""
 
-    kind: Kind
+    kind: AgreementKind
     """agrees, flagged (they differ), or untold (there is not enough to tell)."""
     witness: Witness = ""
     """Whom it speaks of: the simulation, the measurement, or neither alone."""

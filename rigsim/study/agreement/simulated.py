@@ -15,7 +15,7 @@ import numpy as np
 
 from rigsim.rig.arrays import Array, Mask
 from rigsim.study.agreement.agreement import AGREES, Agreement, Place, Reason, finite, worst
-from rigsim.study.agreement.whitened import Finding, examine, point_by_point, whitened
+from rigsim.study.agreement.whitened import WhitenedFinding, examine, point_by_point, whitened
 from rigsim.study.scene.statistics import ErrorStatistics
 from rigsim.study.scene.trials import Prediction
 
@@ -118,7 +118,7 @@ def _untold(reason: Reason) -> Agreement:
     return Agreement("untold", "simulated", reason)
 
 
-def _judge(findings: Sequence[Finding], limit: float, place: Place | None = None) -> Agreement:
+def _judge(findings: Sequence[WhitenedFinding], limit: float, place: Place | None = None) -> Agreement:
     """Flagged by the first test whose p-value is below `limit`; one that is no number is flagged too."""
     for finding in findings:
         if not finding.p >= limit:

@@ -46,7 +46,7 @@ class Column:
         return "°" if self.unit == "deg" else self.unit
 
 
-class Table:
+class ColumnList:
     """Columns that are being put together."""
 
     def __init__(self) -> None:
