@@ -8,7 +8,7 @@ from typing import Any
 
 from rigsim.present.kit import format as fmt
 from rigsim.study.scene import columns
-from rigsim.study.scene.column import Format
+from rigsim.study.scene.column import ColumnFormat
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +32,7 @@ class ShownColumn:
         return f"{self.heading}, {self.unit}" if self.unit else self.heading
 
 
-_SHOW: Mapping[Format, Callable[[Any], str]] = {
+_SHOW: Mapping[ColumnFormat, Callable[[Any], str]] = {
     "text": str,
     "count": fmt.count,
     "number": fmt.number,

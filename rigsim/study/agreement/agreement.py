@@ -46,7 +46,7 @@ _ORDER: tuple[AgreementKind, ...] = ("flagged", "untold", "agrees")
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class AgreementPlace:
     """Where in the scene or the picture something differs."""
 
     of: Literal["depth", "region", "column"]
@@ -77,7 +77,7 @@ class Agreement:
     """Of an error where none is predicted."""
     count: tuple[int, int] | None = None
     """How many there are of how many: matches astray of those found; too few of those it takes."""
-    place: Place | None = None
+    place: AgreementPlace | None = None
     """Where it differs; None for everywhere."""
     cause: str = ""
     """The message of the error that left nothing to compare."""

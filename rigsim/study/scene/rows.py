@@ -15,7 +15,7 @@ from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.truth.points import Coverage
 from rigsim.statistics import rms
-from rigsim.study.agreement.agreement import Agreement, Place, worst
+from rigsim.study.agreement.agreement import Agreement, AgreementPlace, worst
 from rigsim.study.agreement.claims import measured_agreement
 from rigsim.study.agreement.fault import UNKNOWN, Fault
 from rigsim.study.agreement.simulated import Part, compare, image_parts
@@ -120,7 +120,7 @@ def _agreements(evidence: RowEvidence) -> tuple[Agreement, list[Agreement]]:
     """Whether the simulation agrees with the prediction: over all, and in each depth bin."""
     visible, edges_m = evidence.visible, evidence.edges_m
     bins = [
-        Part(Place("depth", (near, far)), evidence.bins[visible] == i)
+        Part(AgreementPlace("depth", (near, far)), evidence.bins[visible] == i)
         for i, (near, far) in enumerate(itertools.pairwise(edges_m))
     ]
     left = evidence.rig.left
