@@ -10,7 +10,7 @@ import numpy as np
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.infer.run import DepthErrors, infer_disparity_noise
+from rigsim.study.infer.run import ErrorsByDistance, infer_disparity_noise
 from rigsim.theory.triangulation import triangulate
 
 REPETITIONS = 2000
@@ -39,8 +39,8 @@ def _line(rng: np.random.Generator, sigma_px: float, count: int) -> str:
     by_counts = by_fit = wrong = 0
     begin = time.perf_counter()
     for i in range(REPETITIONS):
-        told = infer_disparity_noise(RIG, DepthErrors(DEPTHS_M, stds[:, i], counts=counts))
-        untold = infer_disparity_noise(RIG, DepthErrors(DEPTHS_M, stds[:, i]))
+        told = infer_disparity_noise(RIG, ErrorsByDistance(DEPTHS_M, stds[:, i], counts=counts))
+        untold = infer_disparity_noise(RIG, ErrorsByDistance(DEPTHS_M, stds[:, i]))
         by_counts += told.low_px <= sigma_px <= told.high_px
         by_fit += untold.low_px <= sigma_px <= untold.high_px
         wrong += untold.verdict == "inconsistent"

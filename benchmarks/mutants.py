@@ -16,12 +16,12 @@ from rigsim.study.verify.case import Case
 from rigsim.study.verify.checks import statistical_checks
 from rigsim.study.verify.runner import FALSE_ALARM, run_case, verify
 from rigsim.study.verify.session import Selection, gather
-from rigsim.theory.custom import Triangulator
+from rigsim.theory.custom import TriangulatorFunction
 
 SEEDS = 200
 SCENES_EVERY = 10
 LIMITS_S = {"quick": 20, "full": 300}
-RIGHT: Mapping[str, Triangulator] = {
+RIGHT: Mapping[str, TriangulatorFunction] = {
     "optimal": KNOWN["optimal"],
     "dlt": KNOWN["dlt"],
     "midpoint": KNOWN["midpoint"],

@@ -17,7 +17,7 @@ from rigsim.rig.perturbation import NAMES, Perturbation
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance.recalibration.compensator import Compensator
 from rigsim.study.tolerance.run import Build, Recalibration, draw, make_compensator, run_tolerance
-from rigsim.study.tolerance.sensitivities import CLASSES, Requirement, causes
+from rigsim.study.tolerance.sensitivities import CLASSES, BuildRequirement, causes
 from rigsim.theory.triangulation import triangulate
 
 _LENS = Intrinsics.from_focal(1280, 720, 900.0)
@@ -28,7 +28,7 @@ RIGS = {
     "distorted": StereoRig.rectified(_BENT, 0.12),
 }
 RANGE_M = (1.0, 5.0)
-REQUIRED = Requirement(0.04, 3.0)
+REQUIRED = BuildRequirement(0.04, 3.0)
 _REFERENCES = 10
 
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 __all__ = ["RenderedStereo", "assert_triangulates", "render_stereo", "stereo_cases"]
 
 
-class Choice(TypedDict, total=False):
+class CaseChoice(TypedDict, total=False):
     """Which cases a function is held to; see `stereo_cases`."""
 
     suite: str
@@ -43,7 +43,7 @@ def assert_triangulates(
     cases: Sequence[Case] | Case | None = None,
     *,
     strict: bool = False,
-    **choice: Unpack[Choice],
+    **choice: Unpack[CaseChoice],
 ) -> None:
     """Fail with a table of what is wrong unless `function` triangulates every case.
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from rigsim.theory.custom import Triangulator
+from rigsim.theory.custom import TriangulatorFunction
 
 Symptom: TypeAlias = Literal["pixels", "camera", "pose", "lens", "frame", "scale", "rows", "range", "scatter"]
 """What part of the answer or of the input the mistake touches."""
@@ -22,17 +22,17 @@ class Mutant:
     expected: str
     """What somebody who sees only its answers would have to be told."""
     symptom: Symptom
-    function: Triangulator
+    function: TriangulatorFunction
     only_strict: bool = False
     """Whether it is right but wasteful: `verify` must say so, and fail it under --strict alone."""
 
 
 def mutant(
     mutants: list[Mutant], symptom: Symptom, bug: str, expected: str, only_strict: bool = False
-) -> Callable[[Triangulator], Triangulator]:
+) -> Callable[[TriangulatorFunction], TriangulatorFunction]:
     """Puts a function on the list under its own name."""
 
-    def register(function: Triangulator) -> Triangulator:
+    def register(function: TriangulatorFunction) -> TriangulatorFunction:
         name = function.__name__.replace("_", "-")
         mutants.append(Mutant(name, bug, expected, symptom, function, only_strict))
         return function

@@ -14,7 +14,7 @@ import numpy as np
 
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.infer.run import DepthErrors, infer_disparity_noise
+from rigsim.study.infer.run import ErrorsByDistance, infer_disparity_noise
 
 REPETITIONS = 200
 COUNT = 60
@@ -65,8 +65,8 @@ def _line(rng: np.random.Generator, case: Case, count: int, scatter: bool) -> li
     truth = (case.offset_px, case.scale, case.sigma_px)
     for _ in range(REPETITIONS):
         mean, std = _measured(rng, case, z, count, scatter)
-        found = infer_disparity_noise(rig, DepthErrors(z, std, mean - z, np.full(len(z), float(count))))
-        bare = infer_disparity_noise(rig, DepthErrors(z, std, mean - z))
+        found = infer_disparity_noise(rig, ErrorsByDistance(z, std, mean - z, np.full(len(z), float(count))))
+        bare = infer_disparity_noise(rig, ErrorsByDistance(z, std, mean - z))
         assert found.bias is not None
         assert bare.bias is not None
         inside[:3] += _held(truth, found)
@@ -115,5 +115,5 @@ def _time() -> None:
     mean, std = _measured(np.random.default_rng(1), case, z, 200, True)
     begin = time.perf_counter()
     for _ in range(20):
-        infer_disparity_noise(rig, DepthErrors(z, std, mean - z, np.full(len(z), 200.0)))
+        infer_disparity_noise(rig, ErrorsByDistance(z, std, mean - z, np.full(len(z), 200.0)))
     print(f"one inference takes {(time.perf_counter() - begin) / 20 * 1e3:.1f} ms")

@@ -20,7 +20,7 @@ from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.infer.run import (
     P95,
-    DepthErrors,
+    ErrorsByDistance,
     Inference,
     Transfer,
     depth_gain,
@@ -162,7 +162,7 @@ def infer(options: InferOptions) -> Inferred:
     return Inferred(inference, carried, (*said, *remarks(inference, units_written=options.data is None)))
 
 
-def _claimed(claims: Sequence[DepthError], rig: StereoRig) -> tuple[DepthErrors, tuple[Remark, ...]]:
+def _claimed(claims: Sequence[DepthError], rig: StereoRig) -> tuple[ErrorsByDistance, tuple[Remark, ...]]:
     """The depth errors of what is claimed, and what is odd about them."""
     depths_m: list[float] = []
     stds_m: list[float] = []
@@ -183,7 +183,7 @@ def _claimed(claims: Sequence[DepthError], rig: StereoRig) -> tuple[DepthErrors,
             said += odd
         depths_m.append(at_m)
         stds_m.append(std_m / P95 if claim.p95 else std_m)
-    return DepthErrors(np.array(depths_m), np.array(stds_m)), tuple(said)
+    return ErrorsByDistance(np.array(depths_m), np.array(stds_m)), tuple(said)
 
 
 def _between(claim: DepthError, name: str, at_m: float, rig: StereoRig) -> tuple[float, list[Remark]]:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rigsim.interop.documents.base import Written
     from rigsim.present.kit.types import Figure, Table
     from rigsim.study.tolerance.run import ToleranceResult
-    from rigsim.study.tolerance.sensitivities import Requirement, Tolerances
+    from rigsim.study.tolerance.sensitivities import BuildRequirement, Tolerances
 
 NO_CLASS = "none"
 """In place of a class: nothing is off but what is said."""
@@ -202,9 +202,9 @@ def _range(range_m: object) -> tuple[float, float]:
     return ends[0], ends[1]
 
 
-def _required(options: ToleranceOptions, far_m: float) -> Requirement:
+def _required(options: ToleranceOptions, far_m: float) -> BuildRequirement:
     """What a rig is judged by."""
-    from rigsim.study.tolerance.sensitivities import Requirement
+    from rigsim.study.tolerance.sensitivities import BuildRequirement
 
     pct = options.depth_error_pct
     if pct is None and options.depth_error_mm is None:
@@ -213,7 +213,7 @@ def _required(options: ToleranceOptions, far_m: float) -> Requirement:
     if asked.pct is not None and not asked.pct < 100:
         raise InvalidRange(f"depth error {asked.pct:g} %: must be < 100 %")
     at_m = far_m if asked.at_m is None else asked.at_m
-    return Requirement(asked.error_m(at_m), at_m)
+    return BuildRequirement(asked.error_m(at_m), at_m)
 
 
 def _held(options: ToleranceOptions, rig: StereoRig) -> Tolerances:

@@ -259,7 +259,7 @@ def _golden(
         return None
     from rigsim.interop.files.golden import read_golden, write_golden
     from rigsim.sim.scenes import library
-    from rigsim.study.verify.golden import Comparison, GoldenReport, compare
+    from rigsim.study.verify.golden import GoldenComparison, GoldenReport, compare
     from rigsim.study.verify.session import golden_records
 
     partial = bool(selection.patterns) or selection.scenes is not None
@@ -267,7 +267,7 @@ def _golden(
     if options.progress is not None:
         options.progress("golden scenes", 0, len(scenes))
     records = golden_records(result, scenes)
-    comparison = Comparison(())
+    comparison = GoldenComparison(())
     troubles: list[str] = []
     if folder.is_dir() or not options.update:
         golden, troubles = read_golden(folder, [record.name for record in records])

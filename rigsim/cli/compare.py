@@ -20,7 +20,7 @@ from rigsim.errors import InvalidRange, MeasurementFailed
 if TYPE_CHECKING:
     from rigsim.study.compare.run import ComparisonResult
 
-_NOISE = quantity.Kind("noise", "px", quantity.NOISE.factors, above=0)
+_NOISE = quantity.QuantityKind("noise", "px", quantity.NOISE.factors, above=0)
 
 
 @takes_rig

@@ -24,7 +24,9 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
-_MOVE = quantity.Kind("move", "mm", {"mm": Fraction(1), "cm": Fraction(10), "m": Fraction(1000)}, at_least=0)
+_MOVE = quantity.QuantityKind(
+    "move", "mm", {"mm": Fraction(1), "cm": Fraction(10), "m": Fraction(1000)}, at_least=0
+)
 
 
 @app.command()

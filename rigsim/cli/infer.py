@@ -18,7 +18,7 @@ from rigsim.errors import InvalidRange
 if TYPE_CHECKING:
     from rigsim.rig.remark import Remark
     from rigsim.rig.stereo import StereoRig
-    from rigsim.study.infer.run import DepthErrors
+    from rigsim.study.infer.run import ErrorsByDistance
 
 _CLAIM = "write error@distance, as in 1%@4m, 10mm@3m or 8.1:13.1m@10m"
 
@@ -102,7 +102,7 @@ def infer(
         print_inference(inference, carried, out)
 
 
-def _measured(path: Path | None) -> DepthErrors:
+def _measured(path: Path | None) -> ErrorsByDistance:
     from rigsim.interop.files.depth_errors import read_depth_errors
 
     assert path is not None
@@ -116,7 +116,7 @@ def _other_rig(word: str) -> StereoRig:
     return RigOptions(preset=word).base(DEFAULT_PRESET)
 
 
-def _claimed(text: str, rig: StereoRig, p95: bool) -> tuple[DepthErrors, list[Remark]]:
+def _claimed(text: str, rig: StereoRig, p95: bool) -> tuple[ErrorsByDistance, list[Remark]]:
     """The depth errors of ``1%@4m,10mm@3m``, and what is odd about them.
 
     Raises:
@@ -125,7 +125,7 @@ def _claimed(text: str, rig: StereoRig, p95: bool) -> tuple[DepthErrors, list[Re
     import numpy as np
 
     from rigsim.study.infer.remarks import bounds_remark
-    from rigsim.study.infer.run import P95, DepthErrors, depth_gain, disparity_of_bounds
+    from rigsim.study.infer.run import P95, ErrorsByDistance, depth_gain, disparity_of_bounds
 
     said_of: list[Remark] = []
     depths: list[float] = []
@@ -152,7 +152,7 @@ def _claimed(text: str, rig: StereoRig, p95: bool) -> tuple[DepthErrors, list[Re
             std_mm = _length(said, "depth error", part)
         depths.append(depth_mm)
         stds.append(std_mm / P95 if p95 else std_mm)
-    return DepthErrors(np.array(depths) / 1e3, np.array(stds) / 1e3), said_of
+    return ErrorsByDistance(np.array(depths) / 1e3, np.array(stds) / 1e3), said_of
 
 
 def _percent(said: str, part: str) -> float:
@@ -170,5 +170,5 @@ def _length(text: str, name: str, part: str) -> float:
     if re.fullmatch(r"[-+0-9.eE\s]+", text):
         unit = "%, mm, cm or m" if name == "depth error" else "mm, cm or m"
         raise InvalidRange(f"claim {part.strip()}: {name} {text} has no unit; write {unit}")
-    kind = quantity.Kind(name, "mm", quantity.DEPTH.factors, above=0)
+    kind = quantity.QuantityKind(name, "mm", quantity.DEPTH.factors, above=0)
     return quantity.value(text, kind)

@@ -18,7 +18,7 @@ from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
 from rigsim.errors import InvalidRange
 
 if TYPE_CHECKING:
-    from rigsim.study.tolerance.sensitivities import Requirement
+    from rigsim.study.tolerance.sensitivities import BuildRequirement
 
 _ANGLES = {**quantity.HFOV.factors, "arcmin": Fraction(1, 60)}
 _LENGTHS = quantity.BASELINE.factors
@@ -27,11 +27,11 @@ _PLAIN = MappingProxyType({"": Fraction(1)})
 _TIMES = MappingProxyType({"us": Fraction(1, 1000), "ms": Fraction(1), "s": Fraction(1000)})
 
 
-def _kind(name: str, unit: str, factors: Mapping[str, Fraction]) -> quantity.Kind:
-    return quantity.Kind(f"tolerance {name}", unit, factors, at_least=0)
+def _kind(name: str, unit: str, factors: Mapping[str, Fraction]) -> quantity.QuantityKind:
+    return quantity.QuantityKind(f"tolerance {name}", unit, factors, at_least=0)
 
 
-_KINDS: dict[str, tuple[str, quantity.Kind]] = {
+_KINDS: dict[str, tuple[str, quantity.QuantityKind]] = {
     "yaw": ("yaw_deg", _kind("yaw", "deg", _ANGLES)),
     "pitch": ("pitch_deg", _kind("pitch", "deg", _ANGLES)),
     "roll": ("roll_deg", _kind("roll", "deg", _ANGLES)),
@@ -51,10 +51,10 @@ _KINDS: dict[str, tuple[str, quantity.Kind]] = {
     "time": ("time_offset_ms", _kind("time", "ms", _TIMES)),
     "temperature": ("temperature_k", _kind("temperature", "K", {"K": Fraction(1)})),
 }
-_SPEED = quantity.Kind("speed", "m/s", {"m/s": Fraction(1)}, at_least=0)
-_EXPANSION = quantity.Kind("expansion", "ppm", {"ppm": Fraction(1)}, at_least=0)
-_LENGTH = quantity.Kind("known length's std", "mm", _LENGTHS, above=0)
-_DEPTH_ERROR = quantity.Kind("depth error", "mm", _LENGTHS, above=0)
+_SPEED = quantity.QuantityKind("speed", "m/s", {"m/s": Fraction(1)}, at_least=0)
+_EXPANSION = quantity.QuantityKind("expansion", "ppm", {"ppm": Fraction(1)}, at_least=0)
+_LENGTH = quantity.QuantityKind("known length's std", "mm", _LENGTHS, above=0)
+_DEPTH_ERROR = quantity.QuantityKind("depth error", "mm", _LENGTHS, above=0)
 _PERCENT = re.compile(r"\s*([0-9]*\.?[0-9]+)\s*%\s*")
 _UNIT = re.compile(r"[a-zA-Zµμ%]\s*$")
 
@@ -220,8 +220,8 @@ def _range(text: str) -> tuple[float, float]:
     return near_mm / 1e3, far_mm / 1e3
 
 
-def _requirement(text: str, far_m: float) -> Requirement:
-    from rigsim.study.tolerance.sensitivities import Requirement
+def _requirement(text: str, far_m: float) -> BuildRequirement:
+    from rigsim.study.tolerance.sensitivities import BuildRequirement
 
     what, at, where = text.partition("@")
     for part in (what, where) if at else (what,):
@@ -230,7 +230,7 @@ def _requirement(text: str, far_m: float) -> Requirement:
     depth_m = quantity.value(where.strip(), quantity.DEPTH) / 1e3 if at else far_m
     share = _PERCENT.fullmatch(what)
     if share is None:
-        return Requirement(quantity.value(what.strip(), _DEPTH_ERROR) / 1e3, depth_m)
+        return BuildRequirement(quantity.value(what.strip(), _DEPTH_ERROR) / 1e3, depth_m)
     if not float(share[1]) < 100:
         raise InvalidRange(f"depth error {what.strip()}: must be < 100 %")
-    return Requirement(float(share[1]) / 100 * depth_m, depth_m)
+    return BuildRequirement(float(share[1]) / 100 * depth_m, depth_m)

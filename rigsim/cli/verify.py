@@ -161,7 +161,7 @@ def _golden(
         return None
     from rigsim.interop.files.golden import read_golden, write_golden
     from rigsim.sim.scenes import library
-    from rigsim.study.verify.golden import Comparison, GoldenReport, compare
+    from rigsim.study.verify.golden import GoldenComparison, GoldenReport, compare
     from rigsim.study.verify.session import golden_records
 
     folder = folder or GOLDEN
@@ -169,7 +169,7 @@ def _golden(
     scenes = () if selection.patterns else library.names() if selection.scenes is None else selection.scenes
     with shown(len(scenes), "golden scenes"):
         records = golden_records(result, scenes)
-    comparison = Comparison(())
+    comparison = GoldenComparison(())
     troubles: list[str] = []
     if folder.is_dir() or not update:
         golden, troubles = read_golden(folder, [record.name for record in records])

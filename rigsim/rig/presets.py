@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from rigsim.errors import InvalidScene
 from rigsim.rig import given
-from rigsim.rig.catalogue.commercial import CAMERAS, Camera, Figure, first
+from rigsim.rig.catalogue.commercial import CAMERAS, CommercialCamera, Figure, first
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
 
@@ -39,7 +39,7 @@ def _preset(
     return Preset(name, rig, about, source)
 
 
-def _bought(camera: Camera) -> Preset:
+def _bought(camera: CommercialCamera) -> Preset:
     """The rectified rig that the camera's first figures describe."""
     width, height, baseline_mm = (
         first(camera.figures, quantity) or 0.0 for quantity in ("width_px", "height_px", "baseline_mm")

@@ -24,7 +24,7 @@ PLAIN: Mapping[str, Fraction] = MappingProxyType({"": Fraction(1)})
 
 
 @dataclass(frozen=True, slots=True)
-class Kind:
+class QuantityKind:
     """What an option measures: its name in messages, its units and its bounds."""
 
     name: str
@@ -42,13 +42,13 @@ class Kind:
 
 
 # lengths come out in mm, angles in deg, the rest in px
-BASELINE = Kind("baseline", "mm", LENGTHS, above=0)
-DEPTH = Kind("depth", "mm", LENGTHS, above=0)
-SENSOR_WIDTH = Kind("sensor width", "mm", LENGTHS, above=0)
-PIXEL_PITCH = Kind("pixel pitch", "um", LENGTHS, above=0)
-FOCAL_MM = Kind("focal length", "mm", LENGTHS, above=0)
-FOCAL_PX = Kind("focal length", "px", PIXELS, above=0)
-HFOV = Kind("horizontal field of view", "deg", ANGLES, above=0, below=180)
-VERGENCE = Kind("vergence", "deg", ANGLES, above=-180, below=180)
-NOISE = Kind("noise", "px", PIXELS, at_least=0)
-DISPARITY = Kind("disparity", "px", PIXELS)
+BASELINE = QuantityKind("baseline", "mm", LENGTHS, above=0)
+DEPTH = QuantityKind("depth", "mm", LENGTHS, above=0)
+SENSOR_WIDTH = QuantityKind("sensor width", "mm", LENGTHS, above=0)
+PIXEL_PITCH = QuantityKind("pixel pitch", "um", LENGTHS, above=0)
+FOCAL_MM = QuantityKind("focal length", "mm", LENGTHS, above=0)
+FOCAL_PX = QuantityKind("focal length", "px", PIXELS, above=0)
+HFOV = QuantityKind("horizontal field of view", "deg", ANGLES, above=0, below=180)
+VERGENCE = QuantityKind("vergence", "deg", ANGLES, above=-180, below=180)
+NOISE = QuantityKind("noise", "px", PIXELS, at_least=0)
+DISPARITY = QuantityKind("disparity", "px", PIXELS)

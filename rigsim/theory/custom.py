@@ -13,7 +13,7 @@ from rigsim.errors import TriangulatorError
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
 
-Triangulator: TypeAlias = Callable[[StereoRig, Array, Array], Array]
+TriangulatorFunction: TypeAlias = Callable[[StereoRig, Array, Array], Array]
 """``(rig, uv_left (N, 2) px, uv_right (N, 2) px) -> points_left (N, 3) m``; a row it cannot do is NaN."""
 
 
@@ -22,14 +22,14 @@ def _nothing() -> None:
 
 
 @dataclass(frozen=True, slots=True)
-class Method:
+class NamedMethod:
     """A triangulator that has a name: the one entry that commands, help texts and docs are made from."""
 
     name: str
     """What it is called."""
     says: str
     """What it does, for lists: a phrase that begins small and ends without a stop."""
-    function: Triangulator
+    function: TriangulatorFunction
     """What is called."""
     falls_short: bool = False
     """Whether it misses the maximum-likelihood point, and is biased, by its nature: it is then predicted by

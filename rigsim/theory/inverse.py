@@ -30,15 +30,15 @@ from typing import Literal, TypeAlias
 from rigsim.errors import InvalidRange
 from rigsim.theory.inverse_error import noise_allowed, noise_error
 
-Kind: TypeAlias = Literal[
+RequirementKind: TypeAlias = Literal[
     "depth_error", "far_disparity", "max_disparity", "overlap", "cover", "max_baseline", "fov", "pixels"
 ]
 
-LOWER: frozenset[Kind] = frozenset({"depth_error", "far_disparity"})
+LOWER: frozenset[RequirementKind] = frozenset({"depth_error", "far_disparity"})
 """Requirements that ask for a long baseline."""
-GATES: frozenset[Kind] = frozenset({"fov", "pixels"})
+GATES: frozenset[RequirementKind] = frozenset({"fov", "pixels"})
 """Requirements on the camera alone."""
-_AT_LEAST: frozenset[Kind] = frozenset({"far_disparity", "overlap", "cover", "fov"})
+_AT_LEAST: frozenset[RequirementKind] = frozenset({"far_disparity", "overlap", "cover", "fov"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +81,7 @@ class Camera:
 class Requirement:
     """One line of a specification."""
 
-    kind: Kind
+    kind: RequirementKind
     """What it speaks of; see the module's table."""
     limit: float
     """The bound: m, rad, px, a share, or standard deviations (``far_disparity``)."""
@@ -166,7 +166,7 @@ class Requirement:
 
 
 @dataclass(frozen=True, slots=True)
-class Bound:
+class BaselineBound:
     """One end of an interval of baselines."""
 
     baseline_m: float
@@ -181,9 +181,9 @@ class Interval:
 
     camera: Camera
     """The camera."""
-    lower: Bound
+    lower: BaselineBound
     """Shortest baseline and why."""
-    upper: Bound
+    upper: BaselineBound
     """Longest baseline and why."""
     failed: tuple[Requirement, ...]
     """Requirements that the camera itself does not meet, whatever the baseline."""
@@ -230,14 +230,14 @@ def baseline_interval(camera: Camera, requirements: Sequence[Requirement], noise
         InvalidRange: the noise is not positive.
     """
     sigma_d = disparity_std_px(noise_px)
-    lower, upper = Bound(0.0, None), Bound(math.inf, None)
+    lower, upper = BaselineBound(0.0, None), BaselineBound(math.inf, None)
     failed = []
     for requirement in requirements:
         if requirement.kind in GATES:
             if not requirement.is_met(requirement.achieved(camera, math.nan, sigma_d)):
                 failed.append(requirement)
             continue
-        bound = Bound(requirement.baseline_m(camera, sigma_d), requirement)
+        bound = BaselineBound(requirement.baseline_m(camera, sigma_d), requirement)
         if requirement.kind in LOWER:
             lower = max(lower, bound, key=lambda end: end.baseline_m)
         else:

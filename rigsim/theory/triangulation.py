@@ -20,7 +20,7 @@ from rigsim.rig import given
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
-from rigsim.theory.custom import CheckedTriangulator, Method, Triangulator, load
+from rigsim.theory.custom import CheckedTriangulator, NamedMethod, TriangulatorFunction, load
 from rigsim.theory.methods.lindstrom import triangulate_lindstrom
 from rigsim.theory.methods.linear import triangulate_dlt, triangulate_midpoint
 from rigsim.theory.methods.rectified import triangulate_rectified
@@ -77,23 +77,23 @@ def optimal(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
     return refine(rig, start, uv_left, uv_right)
 
 
-REGISTERED: tuple[Method, ...] = (
-    Method("optimal", "maximum likelihood for equal noise in every pixel coordinate, any rig", optimal),
-    Method("rectified", "closed form of the disparity; for rectified rigs alone", rectified),
-    Method("dlt", "linear least squares on the projection equations", triangulate_dlt, falls_short=True),
-    Method(
+REGISTERED: tuple[NamedMethod, ...] = (
+    NamedMethod("optimal", "maximum likelihood for equal noise in every pixel coordinate, any rig", optimal),
+    NamedMethod("rectified", "closed form of the disparity; for rectified rigs alone", rectified),
+    NamedMethod("dlt", "linear least squares on the projection equations", triangulate_dlt, falls_short=True),
+    NamedMethod(
         "midpoint", "middle of the shortest line between both rays", triangulate_midpoint, falls_short=True
     ),
 )
 """The built-in triangulators; a new one is a line here. `rigsim.study.triangulators` adds those of others."""
 
-METHODS: Mapping[str, Triangulator] = MappingProxyType(
+METHODS: Mapping[str, TriangulatorFunction] = MappingProxyType(
     {method.name: method.function for method in REGISTERED}
 )
 """The built-in triangulators by name."""
 
 
-def resolve(method: str | Callable[..., Any]) -> Triangulator:
+def resolve(method: str | Callable[..., Any]) -> TriangulatorFunction:
     """The triangulator that `method` names; a user's own comes back wrapped in its checks.
 
     Raises:

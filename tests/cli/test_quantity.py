@@ -250,7 +250,7 @@ def test_any_text_is_read_within_bounds_or_refused(text: str) -> None:
 
 
 def test_numbers_without_a_unit():
-    ratio = quantity.Kind("ratio", "", PLAIN, above=0)
+    ratio = quantity.QuantityKind("ratio", "", PLAIN, above=0)
     assert quantity.values("10:50/3", ratio) == (10, 30, 50)
     for text, words in (
         ("x", "ratio x: must be a number"),

@@ -24,10 +24,10 @@ from rigsim.study.compare.run import (
     compare,
 )
 from rigsim.study.triangulators.registry import KNOWN
-from rigsim.theory.custom import Triangulator
+from rigsim.theory.custom import TriangulatorFunction
 
 FOUR = {name: KNOWN[name] for name in ("optimal", "dlt", "midpoint", "cv2")}
-MANY: dict[str, Triangulator] = {
+MANY: dict[str, TriangulatorFunction] = {
     **FOUR,
     "rectified": KNOWN["rectified"],
     "my_package.geometry.triangulation:linear_least_squares": KNOWN["dlt"],
@@ -41,7 +41,7 @@ def _quick_stopwatch(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def result(
-    geometries: tuple[str, ...], noises_px: tuple[float, ...], methods: dict[str, Triangulator]
+    geometries: tuple[str, ...], noises_px: tuple[float, ...], methods: dict[str, TriangulatorFunction]
 ) -> ComparisonResult:
     return compare(ComparisonPlan(geometries, noises_px, 200), methods)
 
@@ -79,7 +79,7 @@ def legible(figure: Figure) -> list[tuple[str, Bbox]]:
     ids=["usual", "everything", "one", "extreme"],
 )
 def test_labels_neither_overlap_nor_leave_the_page(
-    geometries: tuple[str, ...], noises_px: tuple[float, ...], methods: dict[str, Triangulator]
+    geometries: tuple[str, ...], noises_px: tuple[float, ...], methods: dict[str, TriangulatorFunction]
 ) -> None:
     figure = comparison_figure(result(geometries, noises_px, methods))
     texts = legible(figure)

@@ -18,14 +18,14 @@ from rigsim.study.compare.row import Errors, errors, figures
 from rigsim.study.compare.run import COLUMNS, ComparisonPlan, ComparisonResult, compare
 from rigsim.study.triangulators.registry import KNOWN
 from rigsim.study.verify.bound import bound
-from rigsim.theory.custom import Triangulator
+from rigsim.theory.custom import TriangulatorFunction
 
 RIG = StereoRig.rectified(Intrinsics.from_focal(1001, 1001, 1000.0), 0.1)
 OPTIMAL, MIDPOINT, DLT = (KNOWN[name] for name in ("optimal", "midpoint", "dlt"))
 QUICK = ComparisonPlan(("rectified", "verged"), (0.5, 1.0), 2000)
 
 
-def moved(by_px: float) -> Triangulator:
+def moved(by_px: float) -> TriangulatorFunction:
     """Least squares on right pixels that are moved along u."""
     return lambda rig, uv_left, uv_right: OPTIMAL(rig, uv_left, uv_right + np.array([by_px, 0.0]))
 

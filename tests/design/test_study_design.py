@@ -16,14 +16,14 @@ from rigsim.present.design.words import outcome
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.sensor import Sensor
 from rigsim.study.design.budget import MARGIN
-from rigsim.study.design.checks import Check
+from rigsim.study.design.checks import RequirementCheck
 from rigsim.study.design.proof import Objection, Proof, following, prove, recommended, settle_and_prove
 from rigsim.study.design.room import Room, measured_noise_px
 from rigsim.study.design.solve import PREFERENCES, Candidate, Design, pareto_front, solve, specify
 from rigsim.study.design.tolerance import design_tolerance
 from rigsim.study.scene.plan import Plan
 from rigsim.study.scene.showcase import Showcase
-from rigsim.study.scene.third_witness import Measured
+from rigsim.study.scene.third_witness import MeasuredMatches
 from rigsim.theory.inverse import Camera, Requirement
 from rigsim.theory.inverse_error import P95_OVER_STD
 from tests.helpers.sampling import close
@@ -193,7 +193,7 @@ def test_other_cameras_come_after_the_interval_s_end() -> None:
     design = solve(SPEC, CAMERAS)
     first, checks = design.candidates[0], ()
     own = sorted(c.baseline_m for c in design.candidates if c.camera == first.camera)
-    missed = Check(SPEC.requirements[0], 0.07, "points")
+    missed = RequirementCheck(SPEC.requirements[0], 0.07, "points")
     failed: list[Proof] = []
     seen: list[tuple[Camera, float]] = []
     while (candidate := following(design, failed, cameras=2)) is not None:
@@ -203,7 +203,7 @@ def test_other_cameras_come_after_the_interval_s_end() -> None:
     assert [b for camera, b in seen if camera == first.camera] == [b for b in own if b >= first.baseline_m]
     assert len({camera for camera, _ in seen}) == 2
     # too long a disparity asks for a shorter baseline
-    search = Check(Requirement("max_disparity", 100.0, 0.5), 120.0, "points")
+    search = RequirementCheck(Requirement("max_disparity", 100.0, 0.5), 120.0, "points")
     longest = max((c for c in design.candidates if c.camera == first.camera), key=lambda c: c.baseline_m)
     after = following(
         design, [Proof(longest, (search,), Objection("missed", search), object.__new__(Showcase))]
@@ -211,7 +211,7 @@ def test_other_cameras_come_after_the_interval_s_end() -> None:
     assert after is not None
     assert (after.camera, after.baseline_m) == (first.camera, own[-2])
     # a scene without points there shows nothing at any baseline
-    lacking = Check(SPEC.requirements[0], math.nan, "points")
+    lacking = RequirementCheck(SPEC.requirements[0], math.nan, "points")
     after = following(
         design, [Proof(first, (lacking,), Objection("too-few-points", lacking), object.__new__(Showcase))]
     )
@@ -231,12 +231,12 @@ def test_a_scene_without_anything_there_proves_nothing() -> None:
         Room(replace(PLAN, scene="no-such-scene"))
 
 
-def found_matches(depth_m: NDArray[np.float64], error_px: NDArray[np.float64]) -> Measured:
+def found_matches(depth_m: NDArray[np.float64], error_px: NDArray[np.float64]) -> MeasuredMatches:
     n = len(depth_m)
     none = np.zeros((n, 2))
     points = np.column_stack([np.zeros((n, 2)), depth_m])
     errors = np.column_stack([error_px, np.zeros((n, 3))])
-    return Measured("patches", none, none, np.zeros((n, 4, 4)), points, errors, np.abs(error_px) > 3)
+    return MeasuredMatches("patches", none, none, np.zeros((n, 4, 4)), points, errors, np.abs(error_px) > 3)
 
 
 def test_a_measured_noise_is_robust_over_the_range_and_counts_tails_where_it_matters() -> None:

@@ -12,8 +12,8 @@ from rigsim.present.design.words import grounds
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.design.checks import Check, Sight, check, nearest_points
-from rigsim.study.scene.third_witness import Measured
+from rigsim.study.design.checks import RequirementCheck, RigInScene, check, nearest_points
+from rigsim.study.scene.third_witness import MeasuredMatches
 from rigsim.theory.inverse import Requirement
 from rigsim.theory.inverse_error import P95_OVER_STD
 from tests.helpers.sampling import close
@@ -25,10 +25,12 @@ STD_3M = 9 * 0.25 * math.sqrt(2) / 100
 
 
 def sight(
-    points: NDArray[np.float64], rmse_m: NDArray[np.float64] | None = None, measured: Measured | None = None
-) -> Sight:
+    points: NDArray[np.float64],
+    rmse_m: NDArray[np.float64] | None = None,
+    measured: MeasuredMatches | None = None,
+) -> RigInScene:
     rmse = np.full(len(points), np.nan) if rmse_m is None else rmse_m
-    return Sight(RIG, 0.1, (1280, 960), points, rmse, NOISE, 200, measured)
+    return RigInScene(RIG, 0.1, (1280, 960), points, rmse, NOISE, 200, measured)
 
 
 def at(depth_m: NDArray[np.float64] | float, n: int = 400) -> NDArray[np.float64]:
@@ -36,17 +38,17 @@ def at(depth_m: NDArray[np.float64] | float, n: int = 400) -> NDArray[np.float64
     return np.column_stack([np.linspace(-0.1, 0.3, n), np.zeros(n), z])
 
 
-def found(asked: Requirement, seen: Sight) -> Check:
+def found(asked: Requirement, seen: RigInScene) -> RequirementCheck:
     return check(asked, seen, np.random.default_rng(7))
 
 
-def matches(points: NDArray[np.float64], disparity_error_px: NDArray[np.float64]) -> Measured:
+def matches(points: NDArray[np.float64], disparity_error_px: NDArray[np.float64]) -> MeasuredMatches:
     uv_left, uv_right = RIG.project(points)
     shift = np.column_stack([disparity_error_px, np.zeros(len(points))])
     errors = np.hstack([np.zeros((len(points), 2)), -shift])
     covariance = np.zeros((len(points), 4, 4))
     astray = np.zeros(len(points), dtype=bool)
-    return Measured("patches", uv_left, uv_right - shift, covariance, points, errors, astray)
+    return MeasuredMatches("patches", uv_left, uv_right - shift, covariance, points, errors, astray)
 
 
 def test_a_standard_deviation_scales_by_the_square_of_the_distance() -> None:

@@ -15,7 +15,7 @@ from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.infer.random_effects import random_effects
 from rigsim.study.infer.run import (
-    DepthErrors,
+    ErrorsByDistance,
     depth_gain,
     disparity_of_bounds,
     infer_disparity_noise,
@@ -35,7 +35,7 @@ def depths(*metres: float) -> np.ndarray:
 
 def test_w7_backwards() -> None:
     # changh95, visual-slam-roadmap: f 500, B 0.1 m; 0.02, 0.5 and 2 m at 2, 10 and 20 m come of 0.25 px
-    found = infer_disparity_noise(W7, DepthErrors(depths(2, 10, 20), depths(0.02, 0.5, 2.0)))
+    found = infer_disparity_noise(W7, ErrorsByDistance(depths(2, 10, 20), depths(0.02, 0.5, 2.0)))
     assert found.disparity_std_px == pytest.approx(0.25, rel=1e-9)
     assert found.gains_m_per_px == pytest.approx([0.08, 2.0, 8.0], rel=1e-9)
     assert found.fit is not None
@@ -52,7 +52,7 @@ def test_w8_backwards() -> None:
 
 def test_one_claim_by_hand() -> None:
     # 1 % of 4 m is 40 mm; K = 16 / (900 * 0.12) = 0.1481 m/px
-    found = infer_disparity_noise(RIG, DepthErrors(depths(4), depths(0.04)))
+    found = infer_disparity_noise(RIG, ErrorsByDistance(depths(4), depths(0.04)))
     assert found.disparity_std_px == pytest.approx(0.04 * 108 / 16, rel=1e-9)
     assert math.isnan(found.low_px)
     assert (found.interval_from, found.verdict, found.fit) == ("none", "untested", None)
@@ -77,8 +77,8 @@ def test_intervals_cover_what_was_put_in(sigma_px: float) -> None:
     by_samples = by_fit = 0
     for _ in range(REPETITIONS):
         stds = simulated(rng, sigma_px, metres, count)
-        told = infer_disparity_noise(RIG, DepthErrors(metres, stds, counts=np.full(6, float(count))))
-        untold = infer_disparity_noise(RIG, DepthErrors(metres, stds))
+        told = infer_disparity_noise(RIG, ErrorsByDistance(metres, stds, counts=np.full(6, float(count))))
+        untold = infer_disparity_noise(RIG, ErrorsByDistance(metres, stds))
         by_samples += told.low_px <= sigma_px <= told.high_px
         by_fit += untold.low_px <= sigma_px <= untold.high_px
     assert 0.92 * REPETITIONS <= by_samples <= 0.98 * REPETITIONS
@@ -91,7 +91,7 @@ def test_stereo_noise_is_seldom_called_something_else() -> None:
     wrong = 0
     for _ in range(REPETITIONS):
         stds = simulated(rng, 0.1, metres, 40)
-        wrong += infer_disparity_noise(RIG, DepthErrors(metres, stds)).verdict == "inconsistent"
+        wrong += infer_disparity_noise(RIG, ErrorsByDistance(metres, stds)).verdict == "inconsistent"
     assert wrong <= 0.08 * REPETITIONS
 
 
@@ -102,7 +102,7 @@ def test_other_laws_are_told(power: float, law: str, counted: bool) -> None:
     metres = depths(1, 1.5, 2, 3, 4, 6)
     stds = 0.01 * metres**power * np.exp(rng.normal(0, 0.05, 6))
     counts = np.full(6, 200.0) if counted else None
-    found = infer_disparity_noise(RIG, DepthErrors(metres, stds, counts=counts))
+    found = infer_disparity_noise(RIG, ErrorsByDistance(metres, stds, counts=counts))
     assert found.verdict == "inconsistent"
     assert found.fit is not None
     assert found.fit.best == law
@@ -122,11 +122,11 @@ def test_what_is_carried_over_is_inferred_back(
     sigma_px: float, baseline_m: float, focal_px: float, factor: float
 ) -> None:
     metres = 1.0 * factor ** np.arange(3)
-    found = infer_disparity_noise(RIG, DepthErrors(metres, sigma_px * depth_gain(RIG, metres)))
+    found = infer_disparity_noise(RIG, ErrorsByDistance(metres, sigma_px * depth_gain(RIG, metres)))
     other = StereoRig.rectified(Intrinsics.from_focal(1280, 720, focal_px), baseline_m)
     carried = transfer(found, other, metres)
     assert carried.stds_m == pytest.approx(metres**2 / (focal_px * baseline_m) * sigma_px, rel=1e-6)
-    back = infer_disparity_noise(other, DepthErrors(metres, carried.stds_m))
+    back = infer_disparity_noise(other, ErrorsByDistance(metres, carried.stds_m))
     assert back.disparity_std_px == pytest.approx(sigma_px, rel=1e-6)
     assert carried.trusted.tolist() == (focal_px * baseline_m / metres >= 4 * sigma_px).tolist()
 
@@ -135,7 +135,9 @@ def test_verged_rigs_follow_their_own_law() -> None:
     verged = StereoRig.verged(Intrinsics.from_focal(1280, 720, 900.0), 0.12, 10.0)
     metres = depths(0.5, 1.0, 2.0)
     stds = 0.3 * depth_gain(verged, metres)
-    assert infer_disparity_noise(verged, DepthErrors(metres, stds)).disparity_std_px == pytest.approx(0.3)
+    assert infer_disparity_noise(verged, ErrorsByDistance(metres, stds)).disparity_std_px == pytest.approx(
+        0.3
+    )
     assert depth_gain(verged, metres) != pytest.approx(depth_gain(RIG, metres), rel=1e-3)
 
 
@@ -145,7 +147,7 @@ def test_bias_is_kept_apart_and_taken_to_pieces() -> None:
     measured = 108 / (108 / metres + 0.2) * 1.005
     biases = measured - metres
     stds = 0.1 * measured**2 / (108 * 1.005)  # to first order: at 27 px and more the second is under 1e-4
-    found = infer_disparity_noise(RIG, DepthErrors(metres, stds, biases))
+    found = infer_disparity_noise(RIG, ErrorsByDistance(metres, stds, biases))
     assert found.disparity_std_px == pytest.approx(0.1, rel=1e-4)
     assert found.bias is not None
     assert found.bias.disparity_offset_px == pytest.approx(0.2, rel=0.02)
@@ -157,7 +159,7 @@ def test_bias_is_kept_apart_and_taken_to_pieces() -> None:
 
 def test_two_distances_give_an_offset_alone() -> None:
     found = infer_disparity_noise(
-        RIG, DepthErrors(depths(1, 2), depths(0.001, 0.004), depths(108 / 108.1 - 1, 108 / 54.1 - 2))
+        RIG, ErrorsByDistance(depths(1, 2), depths(0.001, 0.004), depths(108 / 108.1 - 1, 108 / 54.1 - 2))
     )
     assert found.bias is not None
     # what the noise adds to the mean, Z a^1, is 1e-6 and 4e-6 of the distances
@@ -166,7 +168,7 @@ def test_two_distances_give_an_offset_alone() -> None:
 
 
 def test_equal_distances_leave_the_law_untested() -> None:
-    found = infer_disparity_noise(RIG, DepthErrors(depths(2, 2, 2), depths(0.01, 0.011, 0.012)))
+    found = infer_disparity_noise(RIG, ErrorsByDistance(depths(2, 2, 2), depths(0.01, 0.011, 0.012)))
     assert found.verdict == "untested"
     assert found.low_px < found.disparity_std_px < found.high_px
 
@@ -174,11 +176,14 @@ def test_equal_distances_leave_the_law_untested() -> None:
 @pytest.mark.parametrize(
     ("make", "says"),
     [
-        (lambda: DepthErrors(depths(), depths()), "no depth errors"),
-        (lambda: DepthErrors(depths(-1), depths(1)), "distance -1000 mm: must be > 0"),
-        (lambda: DepthErrors(depths(1), depths(-0.01)), "depth std -10 mm: must be > 0"),
-        (lambda: DepthErrors(depths(1), depths(0.1), depths(math.nan)), "depth bias"),
-        (lambda: DepthErrors(depths(1), depths(0.1), counts=depths(1)), "n 1: a standard deviation needs"),
+        (lambda: ErrorsByDistance(depths(), depths()), "no depth errors"),
+        (lambda: ErrorsByDistance(depths(-1), depths(1)), "distance -1000 mm: must be > 0"),
+        (lambda: ErrorsByDistance(depths(1), depths(-0.01)), "depth std -10 mm: must be > 0"),
+        (lambda: ErrorsByDistance(depths(1), depths(0.1), depths(math.nan)), "depth bias"),
+        (
+            lambda: ErrorsByDistance(depths(1), depths(0.1), counts=depths(1)),
+            "n 1: a standard deviation needs",
+        ),
         (lambda: depth_gain(StereoRig.verged(W7.left, 0.1, 170.0), depths(0.001, 5)), "no depth there"),
     ],
 )
@@ -189,10 +194,10 @@ def test_impossible_errors_are_named(make, says: str) -> None:
 
 def measured_by(
     fb: float, metres: np.ndarray, offset_px: float, scale: float, sigma_px: float = 1e-4, n: float = 1e4
-) -> DepthErrors:
+) -> ErrorsByDistance:
     """What a rectified rig of f B = `fb` px m gives without sampling error, by the law itself."""
     means = (1 + scale) * fb / (fb / metres + offset_px)
-    return DepthErrors(
+    return ErrorsByDistance(
         metres,
         sigma_px * means**2 / (fb * (1 + scale)),
         means - metres,
@@ -229,7 +234,7 @@ def test_large_offsets_and_scales_are_split_exactly(
 
 def test_one_distance_tells_the_offset_by_hand() -> None:
     # 25 m read as 12 m: 80.3/12 - 80.3/25 = 3.479667 px; K = 144/80.3 m/px at 12 m, so .1 m is .0557639 px
-    errors = DepthErrors(depths(25), depths(0.1), depths(-13), counts=depths(100))
+    errors = ErrorsByDistance(depths(25), depths(0.1), depths(-13), counts=depths(100))
     found = infer_disparity_noise(rectified(80.3), errors)
     assert found.bias is not None
     assert found.bias.disparity_offset_px == pytest.approx(3.479667, abs=1e-3)
@@ -237,7 +242,7 @@ def test_one_distance_tells_the_offset_by_hand() -> None:
     assert found.disparity_std_px == pytest.approx(0.0557639, rel=1e-3)
     assert math.isnan(found.bias.scale_se)
     # without a count nothing is left over to tell it by
-    alone = infer_disparity_noise(rectified(80.3), DepthErrors(depths(25), depths(0.1), depths(-13)))
+    alone = infer_disparity_noise(rectified(80.3), ErrorsByDistance(depths(25), depths(0.1), depths(-13)))
     assert alone.bias is not None
     assert math.isnan(alone.bias.disparity_offset_se_px)
 
@@ -249,7 +254,9 @@ def test_what_noise_adds_to_the_mean_is_no_offset() -> None:
     a = (sigma_px * metres / fb) ** 2
     means = metres * (1 + a + 3 * a**2)
     stds = metres * np.sqrt(a + 8 * a**2 + 69 * a**3)
-    found = infer_disparity_noise(rectified(fb), DepthErrors(metres, stds, means - metres, np.full(4, 500.0)))
+    found = infer_disparity_noise(
+        rectified(fb), ErrorsByDistance(metres, stds, means - metres, np.full(4, 500.0))
+    )
     assert found.bias is not None
     assert found.bias.disparity_offset_px == pytest.approx(0.0, abs=1e-9)
     assert found.bias.scale == pytest.approx(0.0, abs=1e-9)
@@ -263,7 +270,7 @@ def test_the_offset_of_any_rig_is_that_of_its_pixels() -> None:
     uv_left, uv_right = verged.project(np.column_stack([0 * metres, 0 * metres, metres]))
     means = triangulate(verged, uv_left, uv_right - [0.8, 0.0])[:, 2]
     stds = 1e-4 * depth_gain(verged, means)
-    found = infer_disparity_noise(verged, DepthErrors(metres, stds, means - metres))
+    found = infer_disparity_noise(verged, ErrorsByDistance(metres, stds, means - metres))
     assert found.bias is not None
     assert found.bias.disparity_offset_px == pytest.approx(0.8, rel=0.02)
     assert found.bias.scale == pytest.approx(0.0, abs=5e-4)
@@ -273,13 +280,16 @@ def test_the_offset_of_any_rig_is_that_of_its_pixels() -> None:
     ("make", "says"),
     [
         (
-            lambda: DepthErrors(depths(1), depths(0.1), depths(-1.2)),
+            lambda: ErrorsByDistance(depths(1), depths(0.1), depths(-1.2)),
             "distance 1000 mm with a bias of -1200 mm",
         ),
-        (lambda: DepthErrors(depths(1), depths(0.1), depths(-1.0)), "the mean measured depth must be > 0"),
+        (
+            lambda: ErrorsByDistance(depths(1), depths(0.1), depths(-1.0)),
+            "the mean measured depth must be > 0",
+        ),
         (
             lambda: infer_disparity_noise(
-                RIG, DepthErrors(depths(1, 2, 3), depths(0.01, 0.01, 0.01), depths(2, 0, -2))
+                RIG, ErrorsByDistance(depths(1, 2, 3), depths(0.01, 0.01, 0.01), depths(2, 0, -2))
             ),
             "does not grow with the distance",
         ),
@@ -303,7 +313,7 @@ def test_intervals_of_offset_scale_and_noise_cover(scatter: float, counted: bool
         moved = offset_px + 0.3 * scatter * rng.standard_normal(8)
         noisy = fb / metres + moved + own_px * rng.standard_normal((n, 8))
         measured = (1 + scale) * fb / noisy
-        errors = DepthErrors(
+        errors = ErrorsByDistance(
             metres,
             measured.std(axis=0, ddof=1),
             measured.mean(axis=0) - metres,

@@ -17,7 +17,7 @@ from rigsim.study.agreement.agreement import Agreement
 from rigsim.study.agreement.claims import measured_agreement
 from rigsim.study.scene import third_witness as room
 from rigsim.study.scene.pictures import Pictures, expose_pair
-from rigsim.study.scene.third_witness import Measured, bins_of, measure, measured_row
+from rigsim.study.scene.third_witness import MeasuredMatches, bins_of, measure, measured_row
 
 RIG = preset("boards").rig
 ORDINARY = Sensor(grey_noise=2.0)
@@ -38,16 +38,16 @@ def pictures(boards: Simulator) -> Pictures:
 
 
 @pytest.fixture(scope="module")
-def corners(boards: Simulator, pictures: Pictures) -> Measured:
+def corners(boards: Simulator, pictures: Pictures) -> MeasuredMatches:
     return measure("corners", boards, RIG, pictures)
 
 
-def judged(measured: Measured, rig: StereoRig = RIG) -> tuple[dict, Agreement]:
+def judged(measured: MeasuredMatches, rig: StereoRig = RIG) -> tuple[dict, Agreement]:
     row = measured_row(measured, rig, "optimal", np.ones(len(measured.outlier), dtype=bool))
     return row, measured_agreement(row, len(measured.outlier), measured.why)
 
 
-def test_corners_are_as_good_as_they_claim(corners: Measured):
+def test_corners_are_as_good_as_they_claim(corners: MeasuredMatches):
     row, agreement = judged(corners)
     assert agreement.kind == "agrees"
     assert row["measured_n"] > 500
@@ -75,14 +75,14 @@ def test_a_dense_matcher_fills_most_of_the_picture(boards: Simulator, pictures: 
     assert row["measured_disparity_std_px"] < 1
 
 
-def test_half_a_pixel_is_flagged(corners: Measured):
+def test_half_a_pixel_is_flagged(corners: MeasuredMatches):
     shifted = replace(corners, error_px=corners.error_px + 0.5)
     _, agreement = judged(shifted)
     assert (agreement.kind, agreement.witness, agreement.quantity) == ("flagged", "measured", "scale")
     assert agreement.ratio > 5
 
 
-def test_half_a_pixel_in_one_picture_is_flagged_by_depth_too(corners: Measured):
+def test_half_a_pixel_in_one_picture_is_flagged_by_depth_too(corners: MeasuredMatches):
     moved = replace(
         corners,
         uv_right=corners.uv_right + np.array([0.5, 0.0]),
@@ -126,7 +126,7 @@ def test_nothing_found_says_why(boards: Simulator, pictures: Pictures):
         assert text(agreement).startswith("untold: nothing was measured (")
 
 
-def test_bins_follow_the_true_depth(corners: Measured):
+def test_bins_follow_the_true_depth(corners: MeasuredMatches):
     bins = bins_of(corners, np.array([0.5, 1.0, 2.0, 4.0]))
     depth = corners.points_left[:, 2]
     assert set(bins[depth > 4]) == {-1}

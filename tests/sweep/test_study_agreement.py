@@ -11,7 +11,7 @@ import pytest
 
 from rigsim import Intrinsics, PixelNoise, Plan, StereoRig, sweep, triangulate
 from rigsim.present.kit.agreement import reason, text
-from rigsim.study.agreement.agreement import AGREES, Agreement, Place, Reason, worst
+from rigsim.study.agreement.agreement import AGREES, Agreement, AgreementPlace, Reason, worst
 from rigsim.study.agreement.agreement import flagged as flagged_rows
 from rigsim.study.agreement.claims import Scale, claim_scale, measured_agreement
 from rigsim.study.agreement.fault import Fault
@@ -253,7 +253,7 @@ def test_half_of_nothing_is_flagged_and_two_of_five_are_not():
 def test_words_begin_with_the_kind():
     assert text(AGREES) == "agrees"
     fault = Fault("doffs", "the doffs are lost")
-    place = Place("depth", (2, 2.5))
+    place = AgreementPlace("depth", (2, 2.5))
     flagged = Agreement("flagged", "simulated", "spread", "depth spread", 2.25, place=place, fault=fault)
     assert (
         text(flagged)

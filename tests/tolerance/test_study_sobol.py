@@ -14,19 +14,19 @@ from rigsim.rig.presets import PRESETS
 from rigsim.study.tolerance.run import Build, Recalibration, ToleranceResult, run_tolerance
 from rigsim.study.tolerance.sensitivities import (
     CLASSES,
-    Requirement,
+    BuildRequirement,
     Tolerances,
     causes,
     sensitivities,
     shared_points,
 )
-from rigsim.study.tolerance.sobol import SHIFTS, Indices, combine, estimate, interactions
+from rigsim.study.tolerance.sobol import SHIFTS, SobolIndices, combine, estimate, interactions
 from tests.helpers.sampling import close
 
 RIG = PRESETS["boards"].rig
 
 
-def indices(model: Callable[[Array], Array], quantities: int, seed: int = 0) -> Indices:
+def indices(model: Callable[[Array], Array], quantities: int, seed: int = 0) -> SobolIndices:
     read = estimate(model, ndtri, quantities, np.random.default_rng(seed))
     assert read is not None
     found = combine(*read)
@@ -80,7 +80,9 @@ def test_small_errors_share_the_variance_as_the_first_order_says() -> None:
     points = shared_points(RIG, 3.0, 60)
     found = interactions(RIG, off, points, np.random.default_rng(0))
     assert found is not None
-    shares = {item.key: item.share for item in sensitivities(RIG, off, {3.0: points}, Requirement(0.04, 3.0))}
+    shares = {
+        item.key: item.share for item in sensitivities(RIG, off, {3.0: points}, BuildRequirement(0.04, 3.0))
+    }
     expected = np.array([shares[key] for key in found.keys])
     close(found.error.first, expected, rtol=0, atol=0.03)
     close(found.error.total, expected, rtol=0, atol=0.03)
@@ -111,7 +113,7 @@ def test_a_real_rigs_interaction_against_its_closed_form() -> None:
 def run(tolerances: Tolerances, depth_m: float) -> ToleranceResult:
     return run_tolerance(
         Build(RIG, tolerances, recalibration=Recalibration()),
-        Requirement(0.04, depth_m),
+        BuildRequirement(0.04, depth_m),
         (0.9, 5.0),
         n_rigs=50,
         n_points=120,
@@ -153,7 +155,7 @@ def test_many_quantities_need_more_to_be_noticed() -> None:
         together = np.zeros(quantities)
         together[0] = 0.1
         se = np.full(quantities, 0.1 / errors)
-        return Indices(together, se, together, se, together, se).noticed
+        return SobolIndices(together, se, together, se, together, se).noticed
 
     assert (seen(1, 4.7), seen(1, 4.9)) == ((), (0,))
     assert (seen(12, 7.2), seen(12, 7.35)) == ((), (0,))

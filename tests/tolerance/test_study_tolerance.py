@@ -32,8 +32,8 @@ from rigsim.study.tolerance.run import (
 from rigsim.study.tolerance.sensitivities import (
     CLASSES,
     QUANTITIES,
+    BuildRequirement,
     Causes,
-    Requirement,
     Tolerances,
     causes,
     first_order,
@@ -50,7 +50,7 @@ EXACT = np.zeros((1, len(PARAMETERS)))
 RANGE = (1.0, 5.0)
 
 
-def small_run(tolerances: Tolerances, required: Requirement, **more: object) -> ToleranceResult:
+def small_run(tolerances: Tolerances, required: BuildRequirement, **more: object) -> ToleranceResult:
     words: dict[str, object] = {"n_rigs": 1000, "n_points": 120, **more}
     used = {key: words.pop(key) for key in ("noise_px", "recalibration") if key in words}
     return run_tolerance(Build(RIG, tolerances, **used), required, RANGE, **words)
@@ -89,7 +89,7 @@ def test_tolerances_needed_by_hand() -> None:
     # Z/B dB = 3/0.12 = 25; Z^2/(f B) dc = 9/108 m/px; both are the same all over the image
     off = causes(RIG, Tolerances(baseline_mm=0.2, right_cx_px=0.06, vertical_mm=1.0))
     planes = {depth: shared_points(RIG, depth, 40) for depth in (1.0, 3.0)}
-    by_key = {item.key: item for item in sensitivities(RIG, off, planes, Requirement(0.01, 3.0))}
+    by_key = {item.key: item for item in sensitivities(RIG, off, planes, BuildRequirement(0.01, 3.0))}
     assert list(by_key)[2] == "vertical_mm"
     baseline, principal = by_key["baseline_mm"], by_key["right_cx_px"]
     close(baseline.depth_rms_mm, [0.2 / 0.12, 5.0])
@@ -237,7 +237,7 @@ def test_points_behind_or_folded_are_nan() -> None:
 
 
 def test_first_order_is_the_monte_carlo_for_small_errors() -> None:
-    result = small_run(CLASSES["calibrated"].tolerances(RIG), Requirement(0.04, 3.0), n_rigs=4000)
+    result = small_run(CLASSES["calibrated"].tolerances(RIG), BuildRequirement(0.04, 3.0), n_rigs=4000)
     for depth in result.depths:
         assert not depth.parts
         assert depth.first_order_mm / depth.rms_mm == pytest.approx(1.0, abs=0.02)
@@ -245,25 +245,27 @@ def test_first_order_is_the_monte_carlo_for_small_errors() -> None:
 
 
 def test_where_they_part_is_flagged() -> None:
-    result = small_run(CLASSES["printed"].tolerances(RIG), Requirement(0.04, 3.0))
+    result = small_run(CLASSES["printed"].tolerances(RIG), BuildRequirement(0.04, 3.0))
     assert [depth.parts for depth in result.depths] == [True, True, True]
     assert math.isinf(result.depths[-1].built.build_mm.max())
 
 
 def test_yield_of_one_quantity_by_hand() -> None:
     # 0.2 mm of baseline is 5 mm at 3 m for every point: within 5 mm are 68.27 % of a normal's rigs
-    result = small_run(Tolerances(baseline_mm=0.2), Requirement(0.005, 3.0), n_rigs=4000)
+    result = small_run(Tolerances(baseline_mm=0.2), BuildRequirement(0.005, 3.0), n_rigs=4000)
     assert result.yield_before == pytest.approx(0.6827, abs=0.003)
     assert result.judged.rms_mm == pytest.approx(5.0, rel=0.003)
     # +-0.2 mm, even: all rigs are within 5 mm, half are within 2.5 mm
     even = Tolerances(baseline_mm=0.2, distribution="uniform")
-    assert small_run(even, Requirement(0.0025, 3.0)).yield_before == pytest.approx(0.5, abs=0.003)
-    assert small_run(even, Requirement(0.00502, 3.0)).yield_before == 1.0
+    assert small_run(even, BuildRequirement(0.0025, 3.0)).yield_before == pytest.approx(0.5, abs=0.003)
+    assert small_run(even, BuildRequirement(0.00502, 3.0)).yield_before == 1.0
 
 
 def test_a_baseline_error_is_removed_by_one_known_length() -> None:
     exact = Recalibration(noise_px=0.0, length_std_mm=1e-4)
-    result = small_run(Tolerances(baseline_mm=1.0), Requirement(0.001, 3.0), recalibration=exact, n_rigs=200)
+    result = small_run(
+        Tolerances(baseline_mm=1.0), BuildRequirement(0.001, 3.0), recalibration=exact, n_rigs=200
+    )
     recalibrated = result.judged.recalibrated
     assert recalibrated is not None
     after = recalibrated.build_mm
@@ -275,7 +277,7 @@ def test_a_baseline_error_is_removed_by_one_known_length() -> None:
     # pitch and roll show in the epipolar errors alone
     turned = small_run(
         Tolerances(pitch_deg=0.2, roll_deg=0.2),
-        Requirement(0.001, 3.0),
+        BuildRequirement(0.001, 3.0),
         recalibration=Recalibration(noise_px=0.0, length_std_mm=1e3),
         n_rigs=200,
     )
@@ -289,7 +291,7 @@ def test_an_error_of_the_known_length_scales_every_depth(tape_mm: float, baselin
     session = Recalibration(noise_px=0.0, length_std_mm=tape_mm)
     result = small_run(
         Tolerances(baseline_mm=baseline_mm),
-        Requirement(0.005, 3.0),
+        BuildRequirement(0.005, 3.0),
         recalibration=session,
         n_rigs=4000,
         n_points=24,
@@ -311,7 +313,7 @@ def test_an_error_of_the_known_length_scales_every_depth(tape_mm: float, baselin
 def test_what_comes_after_the_calibration_stays() -> None:
     late = Tolerances(baseline_mm=1.0, temperature_k=20.0)
     exact = Recalibration(noise_px=0.0, length_std_mm=1e-4)
-    result = small_run(late, Requirement(0.001, 3.0), recalibration=exact)
+    result = small_run(late, BuildRequirement(0.001, 3.0), recalibration=exact)
     # 120 mm x 23e-6 x 20 = 55.2 um: 1.38 mm at 3 m
     recalibrated = result.judged.recalibrated
     assert recalibrated is not None
@@ -398,7 +400,7 @@ def test_known_length_lies_across_the_middle() -> None:
 
 
 def test_the_same_seed_builds_the_same_rigs() -> None:
-    words = (CLASSES["machined"].tolerances(RIG), Requirement(0.1, 3.0))
+    words = (CLASSES["machined"].tolerances(RIG), BuildRequirement(0.1, 3.0))
     runs = [small_run(*words, seed=seed, n_rigs=50).judged.built.build_mm for seed in (1, 1, 2)]
     assert np.array_equal(runs[0], runs[1])
     assert not np.array_equal(runs[0], runs[2])
@@ -449,7 +451,7 @@ def test_more_pictures_and_features_recalibrate_better() -> None:
         tolerances = with_values(CLASSES["machined"].tolerances(RIG), {"both_focal_px": 0.0})
         result = small_run(
             tolerances,
-            Requirement(0.1, 1.0),
+            BuildRequirement(0.1, 1.0),
             recalibration=Recalibration(**session),
             n_rigs=200,
         )
@@ -463,7 +465,7 @@ def test_more_pictures_and_features_recalibrate_better() -> None:
 
 
 def test_maps_hold_what_the_table_says() -> None:
-    result = small_run(CLASSES["calibrated"].tolerances(RIG), Requirement(0.04, 3.0))
+    result = small_run(CLASSES["calibrated"].tolerances(RIG), BuildRequirement(0.04, 3.0))
     found = places(result)
     assert found.keys == tuple(item.key for item in result.sensitivities[:5])
     assert found.together_mm.shape == (len(found.v_px), len(found.u_px)) == (36, 64)
@@ -489,15 +491,15 @@ def test_slips_are_named() -> None:
     with pytest.raises(InvalidRange, match="tolerances: all are 0"):
         causes(RIG, Tolerances())
     with pytest.raises(InvalidRange, match="required depth error 0 mm: must be > 0"):
-        Requirement(0.0, 3.0)
+        BuildRequirement(0.0, 3.0)
     with pytest.raises(InvalidRange, match="must be < its distance 3000 mm"):
-        Requirement(3.0, 3.0)
+        BuildRequirement(3.0, 3.0)
     with pytest.raises(InvalidRange, match="depth 10 mm: no point there is in both images"):
         shared_points(RIG, 0.01, 10)
     with pytest.raises(InvalidRange, match="range 5000:1000 mm: must be 0 < near < far"):
-        run_tolerance(Build(RIG, Tolerances(yaw_deg=1)), Requirement(0.1, 3.0), (5.0, 1.0))
+        run_tolerance(Build(RIG, Tolerances(yaw_deg=1)), BuildRequirement(0.1, 3.0), (5.0, 1.0))
     with pytest.raises(InvalidRange, match="rigs 1: must be >= 2"):
-        small_run(Tolerances(yaw_deg=1), Requirement(0.1, 3.0), n_rigs=1)
+        small_run(Tolerances(yaw_deg=1), BuildRequirement(0.1, 3.0), n_rigs=1)
 
 
 def test_a_focal_length_of_both_is_a_share_of_unequal_lenses_too() -> None:

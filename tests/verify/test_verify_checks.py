@@ -24,7 +24,7 @@ from rigsim.study.verify.result import Check
 from rigsim.study.verify.runner import run_case, verify
 from rigsim.study.verify.suite import stream, synthetic_cases
 from rigsim.study.verify.synthetic import degenerate, exact, noisy
-from rigsim.theory.custom import CheckedTriangulator, Triangulator
+from rigsim.theory.custom import CheckedTriangulator, TriangulatorFunction
 from rigsim.theory.triangulation import METHODS, triangulate
 
 RIG = StereoRig.rectified(Intrinsics.from_focal(1001, 1001, 1000.0), 0.1)
@@ -145,7 +145,7 @@ def other_sign(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
 
 
 @pytest.mark.parametrize("mutant", [swapped, half_pixel, other_sign])
-def test_a_sign_a_swap_and_half_a_pixel_fail_in_every_geometry(mutant: Triangulator) -> None:
+def test_a_sign_a_swap_and_half_a_pixel_fail_in_every_geometry(mutant: TriangulatorFunction) -> None:
     for geometry in (*GEOMETRIES, random_geometry(1, stream(0, "rig 1"))):
         result = run_case(exact(geometry, 100, stream(0, "x")), "mutant", mutant, 1e-4)
         assert result.status() == "failed", geometry.name

@@ -25,7 +25,7 @@ from rigsim.study.verify.result import Diagnosis
 from rigsim.study.verify.runner import run_case
 from rigsim.study.verify.suite import stream, synthetic_cases
 from rigsim.study.verify.synthetic import exact
-from rigsim.theory.custom import Triangulator
+from rigsim.theory.custom import TriangulatorFunction
 
 BY_NAME = {geometry.name: geometry for geometry in GEOMETRIES}
 
@@ -36,7 +36,7 @@ def cases() -> list[Case]:
     return [case for case in synthetic_cases("quick", 5) if case.kind != "noisy"]
 
 
-def diagnosed(cases: list[Case], function: Triangulator) -> tuple[Diagnosis, ...]:
+def diagnosed(cases: list[Case], function: TriangulatorFunction) -> tuple[Diagnosis, ...]:
     return diagnose([run_case(case, "one", function, 1e-6) for case in cases])
 
 

@@ -23,12 +23,12 @@ from rigsim.study.verify.result import Diagnosis
 from rigsim.study.verify.runner import run_case, verify
 from rigsim.study.verify.suite import stream, synthetic_cases
 from rigsim.study.verify.synthetic import exact
-from rigsim.theory.custom import Triangulator
+from rigsim.theory.custom import TriangulatorFunction
 from rigsim.theory.triangulation import METHODS
 from tests.helpers.verify_results import telling
 
 SOLVERS = {"linear": triangulators.solve_linear, "opencv": triangulators.solve_opencv}
-BASES: dict[str, Triangulator] = {
+BASES: dict[str, TriangulatorFunction] = {
     "linear": triangulators.linear,
     "midpoint": triangulators.midpoint,
     "opencv": triangulators.opencv,
@@ -41,7 +41,7 @@ def cases() -> list[Case]:
     return list(telling())
 
 
-def diagnosed(cases: Sequence[Case], function: Triangulator) -> tuple[Diagnosis, ...]:
+def diagnosed(cases: Sequence[Case], function: TriangulatorFunction) -> tuple[Diagnosis, ...]:
     return diagnose([run_case(case, "one", function, 1e-6) for case in cases])
 
 

@@ -21,7 +21,7 @@ from rigsim.study.verify.golden import Number, Record, compare, scene_record, tr
 from rigsim.study.verify.rendered import scene_rig
 from rigsim.study.verify.runner import verify
 from rigsim.study.verify.suite import synthetic_cases
-from rigsim.theory.custom import Triangulator
+from rigsim.theory.custom import TriangulatorFunction
 from rigsim.theory.triangulation import METHODS, triangulate
 from tests.helpers.documents import valid
 from tests.helpers.verify_results import quick
@@ -97,7 +97,7 @@ def test_a_triangulator_that_grew_worse_has_moved_and_another_seed_has_not() -> 
     def worse(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
         return triangulate(rig, uv_left, uv_right) * (1, 1, 1.01)
 
-    def records(function: Triangulator, seed: int) -> list[Record]:
+    def records(function: TriangulatorFunction, seed: int) -> list[Record]:
         cases = list(synthetic_cases("quick", seed))[:12]
         return [
             triangulator_record(result, {**ABOUT, "seed": str(seed)})

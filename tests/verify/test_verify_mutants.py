@@ -14,12 +14,12 @@ from benchmarks.subjects.mutants import MUTANTS
 from rigsim.rig.arrays import Array
 from rigsim.study.verify.checks import statistical_checks
 from rigsim.study.verify.runner import FALSE_ALARM, run_case, verify
-from rigsim.theory.custom import Triangulator
+from rigsim.theory.custom import TriangulatorFunction
 from rigsim.theory.triangulation import triangulate
 from tests.helpers.sampling import RIGS, noisy, points_in_view
 from tests.helpers.verify_results import quick
 
-RIGHT: dict[str, Triangulator] = {
+RIGHT: dict[str, TriangulatorFunction] = {
     "linear": triangulators.linear,
     "midpoint": triangulators.midpoint,
     "opencv": triangulators.opencv,
@@ -49,7 +49,7 @@ def truth(kind: str) -> Array:
     return triangulate(RIGS[kind], *observations(kind))
 
 
-def relative_errors(function: Triangulator, kind: str) -> Array:
+def relative_errors(function: TriangulatorFunction, kind: str) -> Array:
     """Distances over depths, (N,); infinite where only one of the two has a point, or rows are missing."""
     uv_left, uv_right = observations(kind)
     found, true = function(RIGS[kind], uv_left.copy(), uv_right.copy()), truth(kind)

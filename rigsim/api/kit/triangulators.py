@@ -10,7 +10,7 @@ from rigsim.errors import InvalidRange
 from rigsim.rig import given
 
 if TYPE_CHECKING:
-    from rigsim.theory.custom import Triangulator
+    from rigsim.theory.custom import TriangulatorFunction
 
 Method: TypeAlias = str | Callable[..., Any]
 """rigsim's own by name, ``package.module:function``, or a function."""
@@ -38,12 +38,12 @@ def named(methods: Method | Sequence[Method], what: str = "triangulator") -> tup
 @contextmanager
 def opened(
     methods: Sequence[Method], programs: Sequence[str], timeout_s: float, in_process: bool = False
-) -> Iterator[dict[str, Triangulator]]:
+) -> Iterator[dict[str, TriangulatorFunction]]:
     """By the name they have in tables; somebody else's given by name run outside this process."""
     from rigsim.study.triangulators.isolated import IsolatedTriangulator
     from rigsim.study.triangulators.registry import label, named
 
-    found: dict[str, Triangulator] = {}
+    found: dict[str, TriangulatorFunction] = {}
     with ExitStack() as stack:
         for method in methods:
             name = label(method)

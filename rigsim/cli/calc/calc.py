@@ -30,7 +30,7 @@ DisparityError = Annotated[
         metavar="PX", help="Disparity error of the bounds; the noise's standard deviation by default."
     ),
 ]
-_ERROR = quantity.Kind("disparity error", "px", quantity.NOISE.factors, at_least=0)
+_ERROR = quantity.QuantityKind("disparity error", "px", quantity.NOISE.factors, at_least=0)
 
 
 @app.callback(invoke_without_command=True)

@@ -39,7 +39,7 @@ def metres(text: str, name: str) -> float:
     """A length that needs its unit, m."""
     if not _UNIT.search(text):
         raise InvalidRange(f"{name} {text.strip() or 'empty'}: of what? Write the unit, as in 10mm or 3m")
-    kind = quantity.Kind(name, "mm", quantity.DEPTH.factors, above=0)
+    kind = quantity.QuantityKind(name, "mm", quantity.DEPTH.factors, above=0)
     return quantity.value(text.strip(), kind) / 1e3
 
 

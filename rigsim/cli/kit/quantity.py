@@ -26,7 +26,7 @@ from rigsim.rig.quantity import NOISE as NOISE
 from rigsim.rig.quantity import PIXEL_PITCH as PIXEL_PITCH
 from rigsim.rig.quantity import SENSOR_WIDTH as SENSOR_WIDTH
 from rigsim.rig.quantity import VERGENCE as VERGENCE
-from rigsim.rig.quantity import Kind as Kind
+from rigsim.rig.quantity import QuantityKind as QuantityKind
 
 MAX_VALUES = 1_000_000
 """More values than this in one range are a slip of the pen."""
@@ -44,7 +44,7 @@ _LARGEST_EXPONENT = 300
 _HIT = Fraction(1, 10**9)
 
 
-def value(text: str, kind: Kind) -> float:
+def value(text: str, kind: QuantityKind) -> float:
     """One quantity; lengths in mm, angles in deg, the rest in px.
 
     Raises:
@@ -53,7 +53,7 @@ def value(text: str, kind: Kind) -> float:
     return _bounded(_parts([text], kind)[0], kind)
 
 
-def values(text: str, kind: Kind) -> tuple[float, ...]:
+def values(text: str, kind: QuantityKind) -> tuple[float, ...]:
     """The values of a range, a list or one quantity, in order; units as in `value`.
 
     Raises:
@@ -84,7 +84,7 @@ def distances(text: str, *, least_mm: float = 10.0) -> tuple[float, ...]:
     return found
 
 
-def span(text: str, kind: Kind) -> tuple[float, float]:
+def span(text: str, kind: QuantityKind) -> tuple[float, float]:
     """Two ends ``a:b`` with a < b; units as in `value`.
 
     Raises:
@@ -144,7 +144,7 @@ def point(text: str, name: str) -> tuple[float, float]:
     Raises:
         InvalidRange: not two numbers that an image could have.
     """
-    kind = Kind(name, "px", PIXELS)
+    kind = QuantityKind(name, "px", PIXELS)
     parts = text.split(",")
     if len(parts) != 2:
         raise InvalidRange(f"{name} {text or 'empty'}: must be two numbers u,v, as in 980,500")
@@ -154,7 +154,7 @@ def point(text: str, name: str) -> tuple[float, float]:
     return u, v
 
 
-def _range(text: str, kind: Kind) -> tuple[float, ...]:
+def _range(text: str, kind: QuantityKind) -> tuple[float, ...]:
     body, slash, count_text = text.partition("/")
     ends = body.split(":")
     if len(ends) > 3 or (slash and len(ends) != 2):
@@ -173,7 +173,9 @@ def _range(text: str, kind: Kind) -> tuple[float, ...]:
     return _spread(start, stop, count, text, kind)
 
 
-def _stepped(start: Fraction, stop: Fraction, step: Fraction, text: str, kind: Kind) -> tuple[float, ...]:
+def _stepped(
+    start: Fraction, stop: Fraction, step: Fraction, text: str, kind: QuantityKind
+) -> tuple[float, ...]:
     if step <= 0:
         raise InvalidRange(f"{kind.name} {text}: step {_say(step, kind)} must be > 0")
     steps = (stop - start) / step
@@ -186,7 +188,7 @@ def _stepped(start: Fraction, stop: Fraction, step: Fraction, text: str, kind: K
     return _spread(start, start + int(steps) * step, int(steps) + 1, text, kind)
 
 
-def _spread(start: Fraction, stop: Fraction, count: int, text: str, kind: Kind) -> tuple[float, ...]:
+def _spread(start: Fraction, stop: Fraction, count: int, text: str, kind: QuantityKind) -> tuple[float, ...]:
     if count > MAX_VALUES:
         raise InvalidRange(f"{kind.name} {text}: {count} values, must be <= {MAX_VALUES}; take a longer step")
     _bounded(start, kind)
@@ -198,7 +200,7 @@ def _spread(start: Fraction, stop: Fraction, count: int, text: str, kind: Kind) 
     return tuple((first + more * i) / whole for i in range(count))
 
 
-def _parts(texts: Sequence[str], kind: Kind) -> list[Fraction]:
+def _parts(texts: Sequence[str], kind: QuantityKind) -> list[Fraction]:
     """Exact values in the result's unit of the parts of one range or list."""
     read = [_number(text.strip(), kind) for text in texts]
     numbers: list[Fraction] = []
@@ -210,7 +212,7 @@ def _parts(texts: Sequence[str], kind: Kind) -> list[Fraction]:
     return numbers
 
 
-def _number(text: str, kind: Kind) -> tuple[Fraction, str]:
+def _number(text: str, kind: QuantityKind) -> tuple[Fraction, str]:
     match = _NUMBER.fullmatch(text)
     units = ", ".join(dict.fromkeys(unit for unit in kind.factors if unit.isascii()))
     if match is None:
@@ -231,7 +233,7 @@ def _number(text: str, kind: Kind) -> tuple[Fraction, str]:
     return Fraction(number), unit
 
 
-def _check_order(start: Fraction, stop: Fraction, text: str, kind: Kind) -> None:
+def _check_order(start: Fraction, stop: Fraction, text: str, kind: QuantityKind) -> None:
     if stop == start:
         raise InvalidRange(f"{kind.name} {text}: the end must be > the start; write one value instead")
     if stop < start:
@@ -240,7 +242,7 @@ def _check_order(start: Fraction, stop: Fraction, text: str, kind: Kind) -> None
         )
 
 
-def _bounded(number: Fraction, kind: Kind) -> float:
+def _bounded(number: Fraction, kind: QuantityKind) -> float:
     result = float(number)
     bounds = (
         (kind.above is not None and not result > kind.above, ">", kind.above),
@@ -253,5 +255,5 @@ def _bounded(number: Fraction, kind: Kind) -> float:
     return result
 
 
-def _say(number: Fraction | float, kind: Kind) -> str:
+def _say(number: Fraction | float, kind: QuantityKind) -> str:
     return f"{float(number) / float(kind.factors[kind.plain]):.12g} {kind.plain}".rstrip()

@@ -38,10 +38,10 @@ FullWell = Annotated[
 ReadNoise = Annotated[str | None, typer.Option(metavar="E", help="Read noise, electrons.")]
 
 _ELECTRONS = {"e": Fraction(1)}
-_BLUR = quantity.Kind("lens blur", "px", {"px": Fraction(1)}, at_least=0)
-_IMAGE_NOISE = quantity.Kind("image noise", "grey", {"grey": Fraction(1)}, at_least=0)
-_FULL_WELL = quantity.Kind("full well", "e", _ELECTRONS, at_least=0)
-_READ_NOISE = quantity.Kind("read noise", "e", _ELECTRONS, at_least=0)
+_BLUR = quantity.QuantityKind("lens blur", "px", {"px": Fraction(1)}, at_least=0)
+_IMAGE_NOISE = quantity.QuantityKind("image noise", "grey", {"grey": Fraction(1)}, at_least=0)
+_FULL_WELL = quantity.QuantityKind("full well", "e", _ELECTRONS, at_least=0)
+_READ_NOISE = quantity.QuantityKind("read noise", "e", _ELECTRONS, at_least=0)
 
 
 def sensors_from(

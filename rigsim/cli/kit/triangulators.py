@@ -13,9 +13,9 @@ from rigsim.cli.kit import quantity
 from rigsim.errors import InvalidRange
 
 if TYPE_CHECKING:
-    from rigsim.theory.custom import Triangulator
+    from rigsim.theory.custom import TriangulatorFunction
 
-TIMEOUT = quantity.Kind(
+TIMEOUT = quantity.QuantityKind(
     "timeout", "s", {"ms": Fraction(1, 1000), "s": Fraction(1), "min": Fraction(60)}, above=0
 )
 """How long one call of somebody else's triangulator may take."""
@@ -33,12 +33,12 @@ InProcess: TypeAlias = Annotated[
 @contextmanager
 def resolved(
     names: Sequence[str], commands: Sequence[str], timeout_s: float, in_process: bool = False
-) -> Iterator[dict[str, Triangulator]]:
+) -> Iterator[dict[str, TriangulatorFunction]]:
     """By the name they have in tables; those of somebody else run outside this process, programs at least."""
     from rigsim.study.triangulators.isolated import IsolatedTriangulator
     from rigsim.study.triangulators.registry import named
 
-    found: dict[str, Triangulator] = {}
+    found: dict[str, TriangulatorFunction] = {}
     with ExitStack() as stack:
         for name in names:
             if ":" in name and not in_process:

@@ -16,7 +16,7 @@ from rigsim.study.design.proof import Proof, held_to, recommended
 from rigsim.study.design.solve import Candidate as Picked
 from rigsim.study.design.solve import Design
 from rigsim.study.design.tolerance import DesignTolerance as Held
-from rigsim.theory.inverse import Bound as End
+from rigsim.theory.inverse import BaselineBound as End
 from rigsim.theory.inverse import Interval, Requirement
 
 Kind = Literal[

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from rigsim.interop.documents.base import Part, Versions, finite
 from rigsim.rig.arrays import Array
-from rigsim.study.verify.case import Kind
+from rigsim.study.verify.case import CaseKind
 from rigsim.study.verify.golden import VERDICTS, GoldenReport
 from rigsim.study.verify.result import (
     CaseResult,
@@ -112,7 +112,7 @@ class CaseDone(Part):
     """Unique name, as verged exact."""
     group: str
     """What cases of one geometry share, as verged."""
-    kind: Kind
+    kind: CaseKind
     """What was asked: the points themselves, errors of the size that noise or pictures allow, or nothing."""
     about: str
     """What the case shows."""

@@ -12,13 +12,13 @@ from rigsim import foreign
 from rigsim.errors import InvalidRange, OutputError
 from rigsim.interop.formats.values import clipped
 from rigsim.rig import extent
-from rigsim.study.infer.run import FEWEST, DepthErrors
+from rigsim.study.infer.run import FEWEST, ErrorsByDistance
 
 _NEEDED = ("distance_mm", "depth_std_mm")
 _OPTIONAL = ("depth_bias_mm", "n")
 
 
-def read_depth_errors(path: Path) -> DepthErrors:
+def read_depth_errors(path: Path) -> ErrorsByDistance:
     """The depth errors in the CSV file `path`: ``distance_mm, depth_std_mm[, depth_bias_mm][, n]``.
 
     Other columns are ignored.
@@ -62,7 +62,7 @@ def read_depth_errors(path: Path) -> DepthErrors:
             " distances, or give them by --claim, which takes fewer and leaves the law untested"
         )
     biases, counts = columns.get("depth_bias_mm"), columns.get("n")
-    return DepthErrors(
+    return ErrorsByDistance(
         np.array(columns["distance_mm"]) / 1e3,
         np.array(columns["depth_std_mm"]) / 1e3,
         None if biases is None else np.array(biases) / 1e3,

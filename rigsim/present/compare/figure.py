@@ -48,7 +48,7 @@ _DASHES: tuple[Any, ...] = (
 
 
 @dataclass(frozen=True, slots=True)
-class _Look:
+class _Style:
     """How one method is drawn: its colour, mark and line each tell it from the others."""
 
     color: str
@@ -113,12 +113,12 @@ def figure_pdf(figure: Figure) -> bytes:
     return buffer.getvalue()
 
 
-def _look(place: int) -> _Look:
+def _look(place: int) -> _Style:
     n = len(style.LINES)
-    return _Look(style.LINES[place % n], style.MARKERS[place % n], _DASHES[place % n], place // n % 2 == 1)
+    return _Style(style.LINES[place % n], style.MARKERS[place % n], _DASHES[place % n], place // n % 2 == 1)
 
 
-def _entries(looks: dict[str, _Look]) -> list[tuple[Artist, str]]:
+def _entries(looks: dict[str, _Style]) -> list[tuple[Artist, str]]:
     entries: list[tuple[Artist, str]] = [
         (Line2D([], [], **look.marks()), _short(label)) for label, look in looks.items()
     ]
@@ -146,7 +146,7 @@ def _draw_geometry(
     figure: Figure,
     result: ComparisonResult,
     name: str,
-    looks: dict[str, _Look],
+    looks: dict[str, _Style],
     where: tuple[float, float, float],
     *,
     first: bool,
@@ -181,7 +181,7 @@ def _draw_geometry(
             axes.tick_params(axis="y", labelleft=False)
 
 
-def _draw_errors(axes: Axes, rows: pd.DataFrame, part: pd.DataFrame, looks: dict[str, _Look]) -> None:
+def _draw_errors(axes: Axes, rows: pd.DataFrame, part: pd.DataFrame, looks: dict[str, _Style]) -> None:
     noise, half = _of_noise(part, "bound_se")
     reach = _wide(noise)
     half = 100 * _TWO_SIDED * np.interp(np.log(reach), np.log(noise), half)
@@ -193,7 +193,7 @@ def _draw_errors(axes: Axes, rows: pd.DataFrame, part: pd.DataFrame, looks: dict
     _signed_axis(axes, 100 * (rows["pixel_error_over_bound"].to_numpy() - 1), linear=2.0)
 
 
-def _draw_biases(axes: Axes, rows: pd.DataFrame, part: pd.DataFrame, looks: dict[str, _Look]) -> None:
+def _draw_biases(axes: Axes, rows: pd.DataFrame, part: pd.DataFrame, looks: dict[str, _Style]) -> None:
     noise, must = _of_noise(part, "expected_depth_bias_over_std")
     axes.plot(noise, must, color=style.GREY, linewidth=0.9, zorder=1.5)
     for label, mine, x in _each(part, looks):
@@ -202,7 +202,7 @@ def _draw_biases(axes: Axes, rows: pd.DataFrame, part: pd.DataFrame, looks: dict
     _signed_axis(axes, rows["depth_bias_over_std"].to_numpy(), linear=0.1)
 
 
-def _draw_failures(axes: Axes, rows: pd.DataFrame, part: pd.DataFrame, looks: dict[str, _Look]) -> None:
+def _draw_failures(axes: Axes, rows: pd.DataFrame, part: pd.DataFrame, looks: dict[str, _Style]) -> None:
     noise, must = _of_noise(part, "expected_failed_share")
     axes.plot(noise, 100 * must, color=style.GREY, linewidth=0.9, zorder=1.5)
     for label, mine, x in _each(part, looks):
@@ -213,7 +213,7 @@ def _draw_failures(axes: Axes, rows: pd.DataFrame, part: pd.DataFrame, looks: di
     style.plain_axis(axes, "y", -0.06 * max(most, 1), 1.1 * max(most, 1), "linear", 4)
 
 
-def _draw_speeds(axes: Axes, rows: pd.DataFrame, part: pd.DataFrame, looks: dict[str, _Look]) -> None:
+def _draw_speeds(axes: Axes, rows: pd.DataFrame, part: pd.DataFrame, looks: dict[str, _Style]) -> None:
     """A bar a method with its mark on top, on a scale that all geometries share."""
     speeds = rows["points_per_second"].to_numpy() / 1e6
     speeds = speeds[np.isfinite(speeds) & (speeds > 0)]
@@ -241,7 +241,7 @@ def _of_noise(part: pd.DataFrame, column: str) -> tuple[Array, Array]:
     return found.index.to_numpy(dtype=np.float64), found.to_numpy(dtype=np.float64)
 
 
-def _each(part: pd.DataFrame, looks: dict[str, _Look]) -> list[tuple[str, pd.DataFrame, Array]]:
+def _each(part: pd.DataFrame, looks: dict[str, _Style]) -> list[tuple[str, pd.DataFrame, Array]]:
     """Each method's rows by noise, and their places: a little apart, so that none hides another."""
     found = []
     middle = (len(looks) - 1) / 2
@@ -254,7 +254,7 @@ def _each(part: pd.DataFrame, looks: dict[str, _Look]) -> list[tuple[str, pd.Dat
     return found
 
 
-def _curve(axes: Axes, x: Array, y: Array, se: Array, look: _Look) -> None:
+def _curve(axes: Axes, x: Array, y: Array, se: Array, look: _Style) -> None:
     axes.errorbar(
         x, y, yerr=_TWO_SIDED * np.nan_to_num(se), elinewidth=0.7, capsize=0, zorder=3, **look.marks()
     )

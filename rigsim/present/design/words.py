@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from rigsim.present.kit import agreement
 from rigsim.study.design import words as labels
-from rigsim.study.design.checks import Check
+from rigsim.study.design.checks import RequirementCheck
 from rigsim.study.design.proof import Objection, Proof
 
 
@@ -17,7 +17,7 @@ def outcome(proof: Proof) -> str:
     return grounds(proof.checks, proof.scene, proof.n_trials, proof.method, proof.sensor)
 
 
-def grounds(checks: Sequence[Check], scene: str, n_trials: int, method: str, sensor: str) -> str:
+def grounds(checks: Sequence[RequirementCheck], scene: str, n_trials: int, method: str, sensor: str) -> str:
     """How a pick was verified: on what was simulated and measured, each point counted once."""
     errors = [held for held in checks if held.requirement.kind == "depth_error"]
     # two requirements of one distance rest on the same points
@@ -31,7 +31,7 @@ def grounds(checks: Sequence[Check], scene: str, n_trials: int, method: str, sen
     return f"{simulated}; the pictures have too little to measure near those distances"
 
 
-def _where(errors: Sequence[Check]) -> str:
+def _where(errors: Sequence[RequirementCheck]) -> str:
     """Where the points lie: near the distances, or else how far off."""
     widened = {
         held.requirement.depth_m: f"at {labels.span(held.nearest_m, held.farthest_m)} "

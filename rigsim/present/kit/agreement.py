@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import pandas as pd
 
-from rigsim.study.agreement.agreement import Agreement, Place, Reason
+from rigsim.study.agreement.agreement import Agreement, AgreementPlace, Reason
 from rigsim.study.agreement.claims import BAND
 from rigsim.study.agreement.fault import Fault
 from rigsim.theory.uncertainty import LEAST_DEPTH_SIGMAS
@@ -42,7 +42,7 @@ def spelled(table: pd.DataFrame) -> pd.DataFrame:
     return table.assign(agreement=[text(one) for one in table["agreement"]])
 
 
-def place(where: Place) -> str:
+def place(where: AgreementPlace) -> str:
     """Where something differs: ``at 2 to 2.5 m``."""
     if where.of == "depth":
         return "at {:.3g} to {:.3g} m".format(*where.at)

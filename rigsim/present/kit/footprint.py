@@ -20,7 +20,7 @@ _FAR_BASELINES = 1e5
 
 
 @dataclass(frozen=True, slots=True)
-class View:
+class CameraView:
     """One camera seen from above."""
 
     center: Array
@@ -50,9 +50,9 @@ class View:
 class Footprint:
     """Both cameras seen from above."""
 
-    left: View
+    left: CameraView
     """Left camera."""
-    right: View
+    right: CameraView
     """Right camera."""
     nearest: Array | None
     """Nearest point (x, z), (2,), m, in front of the rig that both cameras see; None when there is none."""
@@ -83,7 +83,7 @@ def footprint(rig: StereoRig) -> Footprint:
     return Footprint(left, right, nearest)
 
 
-def _view(lens: Intrinsics, rig_from_camera: Pose) -> View:
+def _view(lens: Intrinsics, rig_from_camera: Pose) -> CameraView:
     """A camera from above; the edges enclose the rays of the whole image border."""
     u = np.array([-0.5, lens.cx, lens.width - 0.5])
     v = np.array([-0.5, lens.cy, lens.height - 0.5])
@@ -98,7 +98,7 @@ def _view(lens: Intrinsics, rig_from_camera: Pose) -> View:
     across = rays[:, 0] * axis[1] - rays[:, 2] * axis[0]
     along = rays[:, 0] * axis[0] + rays[:, 2] * axis[1]
     angle = np.arctan2(across, along)
-    return View(rig_from_camera.t[[0, 2]], axis, _turned(axis, angle.min()), _turned(axis, angle.max()))
+    return CameraView(rig_from_camera.t[[0, 2]], axis, _turned(axis, angle.min()), _turned(axis, angle.max()))
 
 
 def _turned(direction: Array, angle_rad: float) -> Array:

@@ -11,7 +11,7 @@ from matplotlib.patches import Polygon
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from rigsim.present.kit import style
-from rigsim.present.kit.footprint import Footprint, View
+from rigsim.present.kit.footprint import CameraView, Footprint
 from rigsim.present.kit.format import length, plain
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
@@ -84,7 +84,7 @@ def draw_cameras(axes: Axes, view: Footprint, size: float, baseline_m: float) ->
         )
 
 
-def _body(camera: View, size: float) -> Array:
+def _body(camera: CameraView, size: float) -> Array:
     """Outline (N, 2) of a camera whose centre of projection is the middle of its front."""
     across = np.array([camera.axis[1], -camera.axis[0]])
     outline = np.array(

@@ -82,7 +82,7 @@ def heat_map() -> Colormap:
     return ListedColormap(matplotlib.colormaps["viridis"](np.linspace(0.0, 0.93, 256)), "rigsim")
 
 
-Scale = Literal["linear", "log"]
+AxisScale = Literal["linear", "log"]
 
 
 @contextmanager
@@ -177,7 +177,7 @@ def to_svg(figure: Figure, name: str, title: str) -> str:
     return f'{head} role="img" aria-label="{escape(title)}"><title>{escape(title)}</title>{rest}'
 
 
-def scale_of(values: np.typing.ArrayLike, span: float = 8.0) -> Scale:
+def scale_of(values: np.typing.ArrayLike, span: float = 8.0) -> AxisScale:
     """ "log" where positive values span a factor of `span` or more, else "linear"."""
     array = np.asarray(values, dtype=np.float64)
     array = array[np.isfinite(array)]
@@ -195,7 +195,7 @@ def nice_levels(low: float, high: float, steps: tuple[float, ...] = (1, 2, 5)) -
 
 
 def plain_axis(
-    axes: Axes, which: Literal["x", "y"], low: float, high: float, scale: Scale, max_ticks: int = 6
+    axes: Axes, which: Literal["x", "y"], low: float, high: float, scale: AxisScale, max_ticks: int = 6
 ) -> None:
     """Set the scale, the limits and ticks in plain numbers: no powers of ten, no offsets."""
     axis = axes.xaxis if which == "x" else axes.yaxis

@@ -8,11 +8,11 @@ from typing import Any
 
 from rigsim.present.kit import format as fmt
 from rigsim.study.scene import columns
-from rigsim.study.scene.column import Format
+from rigsim.study.scene.column import ColumnFormat
 
 
 @dataclass(frozen=True, slots=True)
-class Column:
+class ShownColumn:
     """One column of a table for people."""
 
     name: str
@@ -32,7 +32,7 @@ class Column:
         return f"{self.heading}, {self.unit}" if self.unit else self.heading
 
 
-_SHOW: Mapping[Format, Callable[[Any], str]] = {
+_SHOW: Mapping[ColumnFormat, Callable[[Any], str]] = {
     "text": str,
     "count": fmt.count,
     "number": fmt.number,
@@ -43,8 +43,10 @@ _SHOW: Mapping[Format, Callable[[Any], str]] = {
     "metres": lambda value: fmt.number(value / 1e3),
 }
 
-COLUMNS: dict[str, Column] = {
-    column.name: Column(column.name, column.heading, column.shown_unit, _SHOW[column.format], column.numeric)
+COLUMNS: dict[str, ShownColumn] = {
+    column.name: ShownColumn(
+        column.name, column.heading, column.shown_unit, _SHOW[column.format], column.numeric
+    )
     for column in columns.COLUMNS.values()
 }
 """Every column a report may show, by its name in the table."""

@@ -17,7 +17,7 @@ from rigsim.study.scene import columns as col
 if TYPE_CHECKING:
     import pandas as pd
 
-    from rigsim.present.sweep.plots.axes import Axis
+    from rigsim.present.sweep.plots.axes import PlotAxis
     from rigsim.study.sweep.result import SweepResult
 
 _MOST_BEST = 5
@@ -84,7 +84,7 @@ class _Column:
 
 
 def _sweep_columns(
-    result: SweepResult, best: pd.DataFrame, axes: list[Axis], places: list[int]
+    result: SweepResult, best: pd.DataFrame, axes: list[PlotAxis], places: list[int]
 ) -> list[_Column]:
     columns = [
         _Column(
@@ -129,7 +129,7 @@ def _fitting(columns: list[_Column], width: int) -> list[_Column]:
     return columns
 
 
-def _print_flags(result: SweepResult, console: Console, axes: list[Axis]) -> None:
+def _print_flags(result: SweepResult, console: Console, axes: list[PlotAxis]) -> None:
     from rigsim.present.kit.agreement import reason
 
     rows = result.rows

@@ -13,7 +13,7 @@ from rigsim.present.kit.topdown import topdown_figure
 from rigsim.present.sweep import tables
 from rigsim.present.sweep.measured_words import equivalent_noise_words, method_words, was_measured
 from rigsim.present.sweep.plots import curves
-from rigsim.present.sweep.plots.axes import Axis, best_row, swept_axes
+from rigsim.present.sweep.plots.axes import PlotAxis, best_row, swept_axes
 from rigsim.present.sweep.rig_table import rig_table
 from rigsim.present.sweep.same import same_words
 from rigsim.present.sweep.witness_table import witness_table
@@ -86,14 +86,14 @@ def report_html(result: SweepResult, plan: Figure | None = None) -> str:
     )
 
 
-def _title(result: SweepResult, axes: list[Axis]) -> str:
+def _title(result: SweepResult, axes: list[PlotAxis]) -> str:
     scene = best_row(result)[col.SCENE]
     names = [axis.heading for axis in axes]
     what = " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
     return f"Sweep of {what} in {scene}" if what else f"One stereo rig in {scene}"
 
 
-def _rig_words(result: SweepResult, axes: list[Axis]) -> str:
+def _rig_words(result: SweepResult, axes: list[PlotAxis]) -> str:
     """Which of the rigs is shown in detail."""
     if len(result.rows) == 1:
         return "The rig that was simulated."

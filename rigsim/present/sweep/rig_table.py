@@ -8,7 +8,7 @@ import numpy as np
 
 from rigsim.present.kit.footprint import footprint
 from rigsim.present.kit.format import count, length, number, percent, plain
-from rigsim.present.sweep.tables import Row, Table
+from rigsim.present.sweep.tables import PageTable, TableRow
 from rigsim.rig.arrays import Array
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.sensor import Sensor
@@ -20,7 +20,7 @@ Entry: TypeAlias = tuple[str, str, str, str]
 """Parameter, value, unit, meaning."""
 
 
-def rig_table(result: SweepResult) -> Table:
+def rig_table(result: SweepResult) -> PageTable:
     """Parameter, value, unit and meaning of the rig on show."""
     show, row = result.showcase, result.rows.iloc[result.showcase.row]
     entries = [
@@ -32,7 +32,7 @@ def rig_table(result: SweepResult) -> Table:
     entries.append(("Sample", sample, "", "truth points × noisy trials of each"))
     entries += sensor_entries(show.sensor, str(row[col.SENSOR]))
     headings = (("Parameter", ""), ("Value", ""), ("Unit", ""), ("Meaning", ""))
-    return Table(headings, (False, True, False, False), tuple(Row(entry) for entry in entries))
+    return PageTable(headings, (False, True, False, False), tuple(TableRow(entry) for entry in entries))
 
 
 def _geometry(rig: StereoRig) -> list[Entry]:

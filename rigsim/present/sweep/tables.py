@@ -12,7 +12,7 @@ import pandas as pd
 
 from rigsim.present.kit.agreement import text
 from rigsim.present.kit.format import count, number
-from rigsim.present.sweep.column_words import COLUMNS, Column
+from rigsim.present.sweep.column_words import COLUMNS, ShownColumn
 from rigsim.present.sweep.measured_words import was_measured
 from rigsim.present.sweep.plots.axes import swept_axes
 from rigsim.present.sweep.same import comparison_of
@@ -49,7 +49,7 @@ _GROUPS: tuple[tuple[str, dict[str, str]], ...] = (
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class TableRow:
     """One row of a table."""
 
     cells: tuple[str, ...]
@@ -61,14 +61,14 @@ class Row:
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class PageTable:
     """A table for people."""
 
     headings: tuple[tuple[str, str], ...]
     """Heading and unit of each column."""
     numeric: tuple[bool, ...]
     """Whether a column holds numbers, which stand right."""
-    rows: tuple[Row, ...]
+    rows: tuple[TableRow, ...]
     """The rows."""
     note: str = ""
     """What was left out, in words."""
@@ -76,7 +76,7 @@ class Table:
     """Headings over several columns: what they say and how many columns they span; none when empty."""
 
 
-def all_rows(result: SweepResult) -> Table:
+def all_rows(result: SweepResult) -> PageTable:
     """One row a configuration, in the order of the sweep; of more than `MOST_ROWS` the best, best first."""
     rows = result.rows
     places = list(range(len(rows)))
@@ -105,7 +105,7 @@ def all_rows(result: SweepResult) -> Table:
     return _table(columns, table, [place == best for place in places], note)
 
 
-def best_by_depth(result: SweepResult) -> Table:
+def best_by_depth(result: SweepResult) -> PageTable:
     """The best configuration, one row a bin of depth."""
     place = result.best[0] if result.best else result.showcase.row
     table = result.by_depth[row_of_bins(result.rows, result.by_depth) == place]
@@ -123,7 +123,7 @@ class _Shown:
     numeric: bool = True
 
 
-def _of(column: Column) -> _Shown:
+def _of(column: ShownColumn) -> _Shown:
     return _Shown(column.heading, column.unit, column.name, column.show, column.numeric)
 
 
@@ -155,9 +155,9 @@ def _groups(columns: Sequence[_Shown]) -> tuple[tuple[str, int], ...]:
     return tuple((heading, len(list(same))) for heading, same in itertools.groupby(over))
 
 
-def _table(columns: Sequence[_Shown], table: pd.DataFrame, best: list[bool], note: str = "") -> Table:
+def _table(columns: Sequence[_Shown], table: pd.DataFrame, best: list[bool], note: str = "") -> PageTable:
     rows = tuple(
-        Row(
+        TableRow(
             tuple(
                 _interval(record) if column.name == _INTERVAL.name else column.show(record[column.name])
                 for column in columns
@@ -168,7 +168,7 @@ def _table(columns: Sequence[_Shown], table: pd.DataFrame, best: list[bool], not
         for record, is_best in zip(table.to_dict("records"), best, strict=True)
     )
     headings = tuple((column.heading, column.unit) for column in columns)
-    return Table(headings, tuple(column.numeric for column in columns), rows, note, _groups(columns))
+    return PageTable(headings, tuple(column.numeric for column in columns), rows, note, _groups(columns))
 
 
 def _interval(record: dict[Any, Any]) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 from rigsim.present.kit import agreement
 from rigsim.present.kit.format import count, length_mm, number, plain, ratio
 from rigsim.present.sweep.measured_words import found_words, method_words
-from rigsim.present.sweep.tables import Row, Table
+from rigsim.present.sweep.tables import PageTable, TableRow
 from rigsim.study.agreement.agreement import Agreement, Witness
 from rigsim.study.scene import columns as col
 from rigsim.study.sweep.result import SweepResult
@@ -16,7 +16,7 @@ from rigsim.study.sweep.result import SweepResult
 _NONE = "–"
 
 
-def witness_table(result: SweepResult) -> Table:
+def witness_table(result: SweepResult) -> PageTable:
     """What each witness of the rig on show stands for, its error, its ratio and whether it agrees."""
     row: Mapping[Any, Any] = result.rows.iloc[result.showcase.row]
     noise = f"{plain(row[col.NOISE])} px, given"
@@ -59,7 +59,7 @@ def witness_table(result: SweepResult) -> Table:
         ),
     )
     headings = (("", ""), ("Predicted", ""), ("Simulated", ""), ("Measured", ""))
-    return Table(headings, (False,) * 4, tuple(Row(line) for line in lines))
+    return PageTable(headings, (False,) * 4, tuple(TableRow(line) for line in lines))
 
 
 def _said(row: Mapping[Any, Any], witness: Witness) -> str:

@@ -33,7 +33,7 @@ class Figure:
 
 
 @dataclass(frozen=True, slots=True)
-class Camera:
+class CommercialCamera:
     """A stereo camera on the market."""
 
     name: str
@@ -118,8 +118,8 @@ def _accuracy(source: str, note: str, *claims: tuple[float, float]) -> tuple[Fig
     return tuple(Figure("accuracy_pct", pct, source, note, metres * 1e3) for pct, metres in claims)
 
 
-CAMERAS: tuple[Camera, ...] = (
-    Camera(
+CAMERAS: tuple[CommercialCamera, ...] = (
+    CommercialCamera(
         "oak-d",
         "Luxonis OAK-D",
         (
@@ -138,7 +138,7 @@ CAMERAS: tuple[Camera, ...] = (
             *_accuracy(_OAK_ACCURACY, "'below', median device", (2, 4), (4, 7), (6, 10.5)),
         ),
     ),
-    Camera(
+    CommercialCamera(
         "oak-d-lite",
         "Luxonis OAK-D Lite",
         (
@@ -153,7 +153,7 @@ CAMERAS: tuple[Camera, ...] = (
             *_accuracy(_OAK_ACCURACY, "'below', median device", (2, 3), (4, 6), (6, 8)),
         ),
     ),
-    Camera(
+    CommercialCamera(
         "d405",
         "RealSense D405",
         (
@@ -172,7 +172,7 @@ CAMERAS: tuple[Camera, ...] = (
             *_accuracy(_D405_OLD_SHEET, "'<='", (1.4, 0.2)),
         ),
     ),
-    Camera(
+    CommercialCamera(
         "d415",
         "RealSense D415",
         (
@@ -188,7 +188,7 @@ CAMERAS: tuple[Camera, ...] = (
             *_accuracy(_D400_ACCURACY, _D400_ACCURACY_NOTE, (0.5, 1)),
         ),
     ),
-    Camera(
+    CommercialCamera(
         "d435",
         "RealSense D435",
         (
@@ -207,7 +207,7 @@ CAMERAS: tuple[Camera, ...] = (
             *_accuracy(_D435_ACCURACY, "'<'", (2, 2)),
         ),
     ),
-    Camera(
+    CommercialCamera(
         "d455",
         "RealSense D455",
         (
@@ -237,7 +237,7 @@ CAMERAS: tuple[Camera, ...] = (
             *_accuracy(_D400_ACCURACY, _D400_ACCURACY_NOTE, (0.5, 1)),
         ),
     ),
-    Camera(
+    CommercialCamera(
         "zed-2i",
         "Stereolabs ZED 2i",
         (
@@ -250,7 +250,7 @@ CAMERAS: tuple[Camera, ...] = (
             Figure("min_depth_mm", 200, _ZED_CLEARPATH),
         ),
     ),
-    Camera(
+    CommercialCamera(
         "zed-mini",
         "Stereolabs ZED Mini",
         (

@@ -14,7 +14,7 @@ from rigsim.rig.arrays import Mask
 from rigsim.study.agreement.fault import Fault
 from rigsim.study.scene import columns as col
 
-Kind: TypeAlias = Literal["agrees", "flagged", "untold"]
+AgreementKind: TypeAlias = Literal["agrees", "flagged", "untold"]
 Witness: TypeAlias = Literal["simulated", "measured", ""]
 Reason: TypeAlias = Literal[
     "",
@@ -42,11 +42,11 @@ Reason: TypeAlias = Literal[
 ]
 """Why an agreement is no plain one; `Agreement` tells which number goes with which."""
 
-_ORDER: tuple[Kind, ...] = ("flagged", "untold", "agrees")
+_ORDER: tuple[AgreementKind, ...] = ("flagged", "untold", "agrees")
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class AgreementPlace:
     """Where in the scene or the picture something differs."""
 
     of: Literal["depth", "region", "column"]
@@ -59,7 +59,7 @@ class Place:
 class Agreement:
     """What one comparison came to."""
 
-    kind: Kind
+    kind: AgreementKind
     """agrees, flagged (they differ), or untold (there is not enough to tell)."""
     witness: Witness = ""
     """Whom it speaks of: the simulation, the measurement, or neither alone."""
@@ -77,7 +77,7 @@ class Agreement:
     """Of an error where none is predicted."""
     count: tuple[int, int] | None = None
     """How many there are of how many: matches astray of those found; too few of those it takes."""
-    place: Place | None = None
+    place: AgreementPlace | None = None
     """Where it differs; None for everywhere."""
     cause: str = ""
     """The message of the error that left nothing to compare."""

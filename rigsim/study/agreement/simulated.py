@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rigsim.rig.arrays import Array, Mask
-from rigsim.study.agreement.agreement import AGREES, Agreement, Place, Reason, finite, worst
-from rigsim.study.agreement.whitened import Finding, examine, point_by_point, whitened
+from rigsim.study.agreement.agreement import AGREES, Agreement, AgreementPlace, Reason, finite, worst
+from rigsim.study.agreement.whitened import WhitenedFinding, examine, point_by_point, whitened
 from rigsim.study.scene.statistics import ErrorStatistics
 from rigsim.study.scene.trials import Prediction
 
@@ -33,7 +33,7 @@ _EXACT_PX = 1e-6  # what arithmetic may cost where there is no noise
 class Part:
     """Some of the visible points."""
 
-    place: Place | None
+    place: AgreementPlace | None
     """Where they are; None for everywhere."""
     inside: Mask
     """Which they are, (N,)."""
@@ -44,11 +44,11 @@ def image_parts(uv_left: Array, width_px: int, height_px: int) -> list[Part]:
     across = np.clip((uv_left[:, 0] + 0.5) / width_px, 0, 1 - 1e-9)
     down = np.clip((uv_left[:, 1] + 0.5) / height_px, 0, 1 - 1e-9)
     ninths = [
-        Part(Place("region", (j, i)), (np.floor(3 * across) == i) & (np.floor(3 * down) == j))
+        Part(AgreementPlace("region", (j, i)), (np.floor(3 * across) == i) & (np.floor(3 * down) == j))
         for j in range(3)
         for i in range(3)
     ]
-    return ninths + [Part(Place("column", (i,)), np.floor(5 * across) == i) for i in range(5)]
+    return ninths + [Part(AgreementPlace("column", (i,)), np.floor(5 * across) == i) for i in range(5)]
 
 
 def compare(
@@ -118,7 +118,9 @@ def _untold(reason: Reason) -> Agreement:
     return Agreement("untold", "simulated", reason)
 
 
-def _judge(findings: Sequence[Finding], limit: float, place: Place | None = None) -> Agreement:
+def _judge(
+    findings: Sequence[WhitenedFinding], limit: float, place: AgreementPlace | None = None
+) -> Agreement:
     """Flagged by the first test whose p-value is below `limit`; one that is no number is flagged too."""
     for finding in findings:
         if not finding.p >= limit:

@@ -43,7 +43,7 @@ class Whitened:
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class WhitenedFinding:
     """One test of one group."""
 
     quantity: str
@@ -78,7 +78,7 @@ def whitened(prediction: Prediction, stats: ErrorStatistics, kept: Mask) -> Whit
     )
 
 
-def examine(sums: Whitened, inside: Mask) -> Iterator[Finding]:
+def examine(sums: Whitened, inside: Mask) -> Iterator[WhitenedFinding]:
     """The five tests of one group of points."""
     count = sums.count[inside]
     n = float(count.sum())
@@ -97,10 +97,10 @@ def examine(sums: Whitened, inside: Mask) -> Iterator[Finding]:
     slack = (count[:, None] * sums.slack[inside]).sum(axis=0)
     for axis, quantity in enumerate(("mean depth", "mean position across", "mean position down")):
         z = max(abs(float(total[axis])) - float(slack[axis]), 0.0) / error
-        yield Finding(quantity, _two_sided(z), z, math.nan)
+        yield WhitenedFinding(quantity, _two_sided(z), z, math.nan)
 
 
-def point_by_point(sums: Whitened) -> Finding:
+def point_by_point(sums: Whitened) -> WhitenedFinding:
     """Whether the points' own means scatter as their trials allow: any field of mean errors shows here."""
     tried = sums.count > 0
     count = sums.count[tried]
@@ -111,14 +111,14 @@ def point_by_point(sums: Whitened) -> Finding:
     return _spread("mean error, point by point", found / expected, degrees, math.inf, excused + sums.rounding)
 
 
-def _spread(quantity: str, ratio2: float, degrees: float, below: float, above: float) -> Finding:
+def _spread(quantity: str, ratio2: float, degrees: float, below: float, above: float) -> WhitenedFinding:
     """Mean square over its expectation against chi-squared; `below` and `above` are excused."""
     above += (1 + INEFFICIENCY) ** 2 - 1
     high, low = ratio2 / (1 + above), ratio2 / max(1 - below, 0.0) if below < 1 else math.inf
     upper = float(gammaincc(degrees / 2, degrees * high / 2))
     lower = float(gammainc(degrees / 2, degrees * low / 2))
     off = max(high - 1, 1 - low, 0.0) * math.sqrt(degrees / 2)
-    return Finding(quantity, min(2 * min(upper, lower), 1.0), off, math.sqrt(ratio2))
+    return WhitenedFinding(quantity, min(2 * min(upper, lower), 1.0), off, math.sqrt(ratio2))
 
 
 def _density(sigmas: Array) -> Array:

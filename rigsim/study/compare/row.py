@@ -13,7 +13,7 @@ import numpy as np
 
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.verify.bound import Bound
+from rigsim.study.verify.bound import NoiseBound
 from rigsim.theory.uncertainty import pixel_gain
 
 
@@ -44,7 +44,7 @@ def errors(rig: StereoRig, points_left: Array, found_left: Array, noise_px: floa
     )
 
 
-def figures(mine: Errors, first: Errors | None, must: Bound, noise_px: float) -> dict[str, float]:
+def figures(mine: Errors, first: Errors | None, must: NoiseBound, noise_px: float) -> dict[str, float]:
     """The figures of one row.
 
     Args:

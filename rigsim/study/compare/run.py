@@ -26,7 +26,7 @@ from rigsim.study.verify.geometries import GEOMETRIES, Geometry
 from rigsim.study.verify.runner import PATIENCE
 from rigsim.study.verify.suite import own_geometry, stream
 from rigsim.study.verify.synthetic import visible_points
-from rigsim.theory.custom import CheckedTriangulator, Triangulator
+from rigsim.theory.custom import CheckedTriangulator, TriangulatorFunction
 
 GEOMETRY_NAMES = tuple(geometry.name for geometry in GEOMETRIES)
 """Geometries that may be asked for."""
@@ -145,7 +145,7 @@ class _LeftOut:
 
 def compare(
     plan: ComparisonPlan,
-    triangulators: Mapping[str, Triangulator],
+    triangulators: Mapping[str, TriangulatorFunction],
     on_step: Callable[[], None] = lambda: None,
     left_out: tuple[str, ...] = (),
     provenance: Mapping[str, object] | None = None,
@@ -169,7 +169,7 @@ def compare(
         raise InvalidRange("a comparison needs at least one triangulator")
     rows: list[dict[str, object]] = []
     gone, first = _LeftOut(), next(iter(triangulators))
-    checked: dict[str, Triangulator] = {
+    checked: dict[str, TriangulatorFunction] = {
         label: CheckedTriangulator(function, label) for label, function in triangulators.items()
     }
     for geometry in plan.chosen():
@@ -218,7 +218,7 @@ def _found(
     points_left: Array,
     noise_px: float,
     noisy: tuple[Array, Array],
-    fitting: dict[str, Triangulator],
+    fitting: dict[str, TriangulatorFunction],
     gone: _LeftOut,
 ) -> dict[str, Errors]:
     """The errors of each method; one that does not come back is taken out of `fitting`."""
@@ -238,8 +238,8 @@ def _found(
 def _speeds(
     geometry: Geometry,
     points_left: Array,
-    asked: Mapping[str, Triangulator],
-    own: Mapping[str, Triangulator],
+    asked: Mapping[str, TriangulatorFunction],
+    own: Mapping[str, TriangulatorFunction],
     gone: _LeftOut,
 ) -> dict[str, float]:
     """Points a second of each method that can do a geometry: the median of a few runs over exact pixels.

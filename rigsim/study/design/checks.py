@@ -24,7 +24,7 @@ from rigsim.theory.inverse import Requirement
 from rigsim.theory.triangulation import triangulate
 
 if TYPE_CHECKING:
-    from rigsim.study.scene.third_witness import Measured
+    from rigsim.study.scene.third_witness import MeasuredMatches
 
 FEWEST_POINTS = 100
 """Simulated points that a depth error is held to at least."""
@@ -39,7 +39,7 @@ _RMS_SE, _P95_SE = 1 / math.sqrt(2), 0.951
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sight:
+class RigInScene:
     """All that is known of a rig in a scene."""
 
     rig: StereoRig
@@ -56,12 +56,12 @@ class Sight:
     """Noise of the simulation."""
     n_trials: int
     """Trials of each point."""
-    measured: Measured | None
+    measured: MeasuredMatches | None
     """Matches found in the pictures; None where nothing was measured."""
 
 
 @dataclass(frozen=True, slots=True)
-class Check:
+class RequirementCheck:
     """One requirement and what the rig has of it."""
 
     requirement: Requirement
@@ -111,7 +111,7 @@ class Check:
         return self.measured > self.requirement.limit * (1 + _SIGMAS * relative_se)
 
 
-def check(asked: Requirement, sight: Sight, rng: np.random.Generator) -> Check:
+def check(asked: Requirement, sight: RigInScene, rng: np.random.Generator) -> RequirementCheck:
     """Hold a rig to one requirement; `rng` draws the trials of a percentile."""
     rig = sight.rig
     match asked.kind:
@@ -122,11 +122,11 @@ def check(asked: Requirement, sight: Sight, rng: np.random.Generator) -> Check:
         case "overlap" | "cover":
             return _plane(asked, rig)
         case "fov":
-            return Check(asked, min(_fov_rad(rig.left), _fov_rad(rig.right)), "rays")
+            return RequirementCheck(asked, min(_fov_rad(rig.left), _fov_rad(rig.right)), "rays")
         case "pixels":
-            return Check(asked, float(math.prod(sight.picture_px)), "pictures")
+            return RequirementCheck(asked, float(math.prod(sight.picture_px)), "pictures")
         case "max_baseline":
-            return Check(asked, sight.centres_apart_m, "cameras")
+            return RequirementCheck(asked, sight.centres_apart_m, "cameras")
 
 
 def nearest_points(depth_m: Array, at_m: float, fewest: int) -> Ids:
@@ -139,12 +139,12 @@ def nearest_points(depth_m: Array, at_m: float, fewest: int) -> Ids:
     return np.asarray(chosen if len(chosen) >= fewest else chosen[:0], dtype=np.int32)
 
 
-def _depth_error(asked: Requirement, sight: Sight, rng: np.random.Generator) -> Check:
+def _depth_error(asked: Requirement, sight: RigInScene, rng: np.random.Generator) -> RequirementCheck:
     known = np.flatnonzero(np.isfinite(sight.depth_rmse_m))
     points, rmse_m = sight.points_left[known], sight.depth_rmse_m[known]
     chosen = nearest_points(points[:, 2], asked.depth_m, FEWEST_POINTS)
     if not len(chosen):
-        return Check(asked, math.nan, "points")
+        return RequirementCheck(asked, math.nan, "points")
     depth_m = points[chosen, 2]
     scale = (depth_m / asked.depth_m) ** 2
     if asked.per_std == 1:
@@ -153,10 +153,10 @@ def _depth_error(asked: Requirement, sight: Sight, rng: np.random.Generator) -> 
         error_m = _p95_m(points[chosen], scale, sight, rng)
     near_m, far_m = float(depth_m.min()), float(depth_m.max())
     places = frozenset(known[chosen].tolist())
-    return Check(asked, error_m, "points", len(chosen), near_m, far_m, points=places)
+    return RequirementCheck(asked, error_m, "points", len(chosen), near_m, far_m, points=places)
 
 
-def _p95_m(points_left: Array, scale: Array, sight: Sight, rng: np.random.Generator) -> float:
+def _p95_m(points_left: Array, scale: Array, sight: RigInScene, rng: np.random.Generator) -> float:
     """95th percentile of |depth error| over points and trials, each scaled to the requirement's distance."""
     shape = (sight.n_trials, len(points_left), 2)
     uv_left, uv_right = (np.broadcast_to(uv, shape) for uv in sight.rig.project(points_left))
@@ -166,7 +166,7 @@ def _p95_m(points_left: Array, scale: Array, sight: Sight, rng: np.random.Genera
     return abs_p95(np.where(np.isfinite(error_m), error_m, math.inf))
 
 
-def _with_measured(held: Check, sight: Sight) -> Check:
+def _with_measured(held: RequirementCheck, sight: RigInScene) -> RequirementCheck:
     measured, asked = sight.measured, held.requirement
     if measured is None or not len(measured.outlier):
         return held
@@ -185,7 +185,7 @@ def _with_measured(held: Check, sight: Sight) -> Check:
     return replace(held, measured=size_m, n_measured=len(places), matches=places)
 
 
-def _disparity(asked: Requirement, sight: Sight) -> Check:
+def _disparity(asked: Requirement, sight: RigInScene) -> RequirementCheck:
     """The largest disparity at a distance, or the smallest over its standard deviation."""
     near = np.abs(np.log(sight.points_left[:, 2] / asked.depth_m)) <= math.log(_WINDOW)
     points = sight.points_left[near]
@@ -200,17 +200,19 @@ def _disparity(asked: Requirement, sight: Sight) -> Check:
         value = float(disparity_px.max())
     else:
         value = float(disparity_px.min()) / sight.noise.disparity_std_px
-    return Check(asked, value, shown_by, n_points, float(points[:, 2].min()), float(points[:, 2].max()))
+    return RequirementCheck(
+        asked, value, shown_by, n_points, float(points[:, 2].min()), float(points[:, 2].max())
+    )
 
 
-def _plane(asked: Requirement, rig: StereoRig) -> Check:
+def _plane(asked: Requirement, rig: StereoRig) -> RequirementCheck:
     """What both cameras see of a plane: share of the left image's columns, or metres."""
     points = plane(rig, asked.depth_m)
     seen = rig.right.contains(rig.project(points)[1])
     if asked.kind == "overlap":
-        return Check(asked, float(seen.mean()), "plane", slack=2 / len(points))
+        return RequirementCheck(asked, float(seen.mean()), "plane", slack=2 / len(points))
     step_m = float(points[1, 0] - points[0, 0])
-    return Check(asked, float(seen.sum()) * step_m, "plane", slack=2 * step_m)
+    return RequirementCheck(asked, float(seen.sum()) * step_m, "plane", slack=2 * step_m)
 
 
 def plane(rig: StereoRig, depth_m: float) -> Array:

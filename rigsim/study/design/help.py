@@ -16,7 +16,7 @@ from rigsim.study.tolerance.recalibration.session import Build, Recalibration
 from rigsim.study.tolerance.sensitivities import (
     CLASSES,
     QUANTITIES,
-    Requirement,
+    BuildRequirement,
     Tolerances,
     causes,
     first_order,
@@ -59,7 +59,7 @@ class Attempt:
 
 
 @dataclass(frozen=True, slots=True)
-class _Change:
+class _Attempted:
     says: str
     rig: StereoRig
     tolerances: Tolerances
@@ -71,7 +71,7 @@ def attempts(
     specification: Specification,
     pick: Candidate,
     best: Best,
-    required: Requirement,
+    required: BuildRequirement,
     others: Sequence[Candidate],
     seed: int,
 ) -> tuple[Attempt, ...]:
@@ -132,12 +132,12 @@ def _changes(
     specification: Specification,
     pick: Candidate,
     best: Best,
-    required: Requirement,
+    required: BuildRequirement,
     others: Sequence[Candidate],
-) -> Iterator[_Change]:
+) -> Iterator[_Attempted]:
     rig, noise_px = pick.rig, specification.noise_px
     session, built = Recalibration(noise_px=noise_px), CLASSES[best.name]
-    plain = _Change("", rig, built.tolerances(rig), noise_px, session)
+    plain = _Attempted("", rig, built.tolerances(rig), noise_px, session)
     if best.recalibrated:
         yield replace(
             plain,
@@ -176,7 +176,7 @@ def _changes(
 
 
 def _tighter(
-    rig: StereoRig, tolerances: Tolerances, required: Requirement
+    rig: StereoRig, tolerances: Tolerances, required: BuildRequirement
 ) -> Iterator[tuple[str, Mapping[str, float]]]:
     """The quantities that do most held to a tenth: the first, the first two, the first three."""
     off = causes(rig, tolerances)

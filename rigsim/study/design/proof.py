@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Literal
 from rigsim.rig.noise import PixelNoise
 from rigsim.study.agreement.agreement import Agreement
 from rigsim.study.design import words as words
-from rigsim.study.design.checks import Check, Sight, check
+from rigsim.study.design.checks import RequirementCheck, RigInScene, check
 from rigsim.study.design.solve import Candidate, Design, Specification, solve
 from rigsim.theory.inverse import GATES, LOWER
 
@@ -41,7 +41,7 @@ class Objection:
     kind: Literal["nothing-seen", "too-few-points", "missed", "missed-by-pixels", "flagged"]
     """What failed: the rig sees nothing; the scene has too few points near a distance; the simulation or the
     pixels miss a requirement; the witnesses disagree."""
-    check: Check | None = None
+    check: RequirementCheck | None = None
     """The requirement that could not be held, or was missed."""
     agreement: Agreement | None = None
     """What flags it."""
@@ -55,7 +55,7 @@ class Proof:
 
     candidate: Candidate
     """The rig."""
-    checks: tuple[Check, ...]
+    checks: tuple[RequirementCheck, ...]
     """Every requirement."""
     objection: Objection | None
     """Why it is not verified; None when simulation and pixels keep what the formulas promised and no witness
@@ -186,7 +186,7 @@ def _prove(candidate: Candidate, design: Design, room: Room, noise: PixelNoise) 
     if trial.seen is None:
         return Proof(candidate, (), Objection("nothing-seen", cause=trial.why), None, sensor=label)
     row, show, centres_apart_m = room.row(candidate, noise)
-    sight = Sight(
+    sight = RigInScene(
         rig=show.rig,
         centres_apart_m=centres_apart_m,
         picture_px=(show.image_left.shape[1], show.image_left.shape[0]),
@@ -210,7 +210,7 @@ def _prove(candidate: Candidate, design: Design, room: Room, noise: PixelNoise) 
     )
 
 
-def _objection(checks: Sequence[Check], agreement: Agreement) -> Objection | None:
+def _objection(checks: Sequence[RequirementCheck], agreement: Agreement) -> Objection | None:
     """Why the proof fails; None when it does not."""
     for held in checks:
         if math.isnan(held.simulated):
@@ -228,7 +228,7 @@ def recommended(design: Design, proofs: Sequence[Proof]) -> Candidate:
     return next((proof.candidate for proof in proofs if proof.verified), design.candidates[0])
 
 
-def held_to(asked: Requirement, pick: Candidate, proofs: Sequence[Proof]) -> Check | None:
+def held_to(asked: Requirement, pick: Candidate, proofs: Sequence[Proof]) -> RequirementCheck | None:
     """What the proof of `pick` says of one requirement; None where there is none."""
     checks = (held for proof in proofs if proof.candidate == pick for held in proof.checks)
     return next((held for held in checks if held.requirement == asked), None)

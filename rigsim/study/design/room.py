@@ -28,7 +28,7 @@ from rigsim.study.scene.look import Look, Outcome, all_rows, look, measure_pictu
 from rigsim.study.scene.pictures import without_noise
 from rigsim.study.scene.plan import Plan
 from rigsim.study.scene.showcase import Showcase
-from rigsim.study.scene.third_witness import Measured
+from rigsim.study.scene.third_witness import MeasuredMatches
 from rigsim.theory.inverse import Camera
 
 ROUNDS = 3
@@ -60,9 +60,9 @@ class Trial:
     """How it was tried; the noise in it is no part of the pictures."""
     seen: Look | None
     """Pictures and truth points; None where the rig sees nothing."""
-    measured: Mapping[str, Measured]
+    measured: Mapping[str, MeasuredMatches]
     """What a sweep measures in the pictures, by the sensor's label; empty when nothing was measured."""
-    matches: Measured | None
+    matches: MeasuredMatches | None
     """Matches that depth errors are held to: of surfaces where the room asks for them, else the sweep's."""
     why: str = ""
     """Why the rig sees nothing."""
@@ -168,7 +168,9 @@ class Room:
         return outcome.rows[0], show, float(np.linalg.norm(left.t - right.t))
 
 
-def measured_noise_px(measured: Measured, range_m: tuple[float, float], depths_m: Sequence[float]) -> float:
+def measured_noise_px(
+    measured: MeasuredMatches, range_m: tuple[float, float], depths_m: Sequence[float]
+) -> float:
     """Noise of one coordinate, px, that the matches' disparities show; NaN with fewer than 30 of them.
 
     The robust ``1.4826 median |error| / sqrt(2)`` of all matches within `range_m`, or the RMS over sqrt(2) of

@@ -17,7 +17,7 @@ from rigsim.study.design.help import Attempt, Best, attempts, help_sentence
 from rigsim.study.design.solve import Candidate, Specification
 from rigsim.study.tolerance.count import Count, count_good
 from rigsim.study.tolerance.run import Build, Recalibration, ToleranceResult, run_tolerance
-from rigsim.study.tolerance.sensitivities import CLASSES, QUANTITIES, UNITS, Requirement
+from rigsim.study.tolerance.sensitivities import CLASSES, QUANTITIES, UNITS, BuildRequirement
 from rigsim.theory.inverse import Requirement as Asked
 
 CLASS = "machined"
@@ -84,7 +84,7 @@ def design_tolerance(
     if class_name not in CLASSES:
         raise InvalidRange(f"class {class_name!r}: choose one of {', '.join(CLASSES)}")
     asked = farthest_error(specification.requirements)
-    required = Requirement(asked.limit, asked.depth_m, asked.is_p95)
+    required = BuildRequirement(asked.limit, asked.depth_m, asked.is_p95)
     rig, range_m, noise_px = pick.rig, (specification.near_m, specification.far_m), specification.noise_px
     session = Recalibration(noise_px=noise_px)
     try:

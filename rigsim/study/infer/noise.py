@@ -16,7 +16,7 @@ FEWEST = 3
 """Distances that a law can be tested with."""
 
 Law = Literal["quadratic", "linear", "constant"]
-Verdict = Literal["consistent", "inconsistent", "untested"]
+FitVerdict = Literal["consistent", "inconsistent", "untested"]
 IntervalFrom = Literal["samples", "fit", "none"]
 _POWERS: dict[Law, float] = {"linear": 1.0, "constant": 0.0}
 _STEPS = 50
@@ -36,7 +36,7 @@ class LawFit:
     """Relative RMS difference between data and law; 0.1 is 10 %."""
     best: Law
     """Law of the least misfit."""
-    verdict: Verdict
+    verdict: FitVerdict
     """Inconsistent when the interval leaves the exponent of stereo noise out."""
 
 

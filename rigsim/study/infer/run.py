@@ -23,9 +23,9 @@ from rigsim.statistics import rms
 from rigsim.study.infer.bias import BiasPart, Gain, bias_share, split_bias
 from rigsim.study.infer.noise import (
     FEWEST,
+    FitVerdict,
     IntervalFrom,
     LawFit,
-    Verdict,
     degrees_of_freedom,
     law_fit,
     noise_fit,
@@ -39,7 +39,7 @@ __all__ = [
     "CONFIDENCE",
     "FEWEST",
     "P95",
-    "DepthErrors",
+    "ErrorsByDistance",
     "Inference",
     "Transfer",
     "depth_gain",
@@ -57,7 +57,7 @@ _UNIT_DISPARITY = PixelNoise(1 / math.sqrt(2))
 
 
 @dataclass(frozen=True, slots=True)
-class DepthErrors:
+class ErrorsByDistance:
     """What a data sheet claims or a wall test gave, one entry a distance."""
 
     depths_m: Array
@@ -100,7 +100,7 @@ class Inference:
 
     rig: StereoRig
     """The rig they are of."""
-    errors: DepthErrors
+    errors: ErrorsByDistance
     """The depth errors."""
     gains_m_per_px: Array
     """Depth error per pixel of disparity (N,), m/px: std over the disparity noise that it alone implies."""
@@ -127,7 +127,7 @@ class Inference:
         return (1 + scale) * depth_gain(self.rig, depths_m / (1 + scale))
 
     @property
-    def verdict(self) -> Verdict:
+    def verdict(self) -> FitVerdict:
         """Whether stereo noise can be behind it."""
         return "untested" if self.fit is None else self.fit.verdict
 
@@ -150,7 +150,7 @@ class Transfer:
     """Where the depth is at least four of its own standard deviations (N,): elsewhere a std says little."""
 
 
-def infer_disparity_noise(rig: StereoRig, errors: DepthErrors) -> Inference:
+def infer_disparity_noise(rig: StereoRig, errors: ErrorsByDistance) -> Inference:
     """The disparity noise, and the disparity offset and scale, that make `rig` err as `errors` say.
 
     With counts that explain the scatter between the distances, variances are pooled: chi-square. Else, from
@@ -198,7 +198,7 @@ def infer_disparity_noise(rig: StereoRig, errors: DepthErrors) -> Inference:
 
 
 def _bias(
-    gain: Gain, errors: DepthErrors, steady: Array, stds_px: Array, variances_px2: Array | None
+    gain: Gain, errors: ErrorsByDistance, steady: Array, stds_px: Array, variances_px2: Array | None
 ) -> BiasPart:
     assert errors.biases_m is not None
     fit, left_px = split_bias(gain, errors.depths_m, steady, variances_px2)
@@ -227,7 +227,7 @@ def depth_gain(rig: StereoRig, depths_m: Array) -> Array:
     return gains
 
 
-def law_factor(errors: DepthErrors, power: float) -> float:
+def law_factor(errors: ErrorsByDistance, power: float) -> float:
     """Factor, m at 1 m, of the law ``factor x depth^power`` that fits `errors` best, in logarithms."""
     freedom = np.ones(len(errors.depths_m)) if errors.counts is None else errors.counts - 1
     logs = np.log(errors.stds_m) - power * np.log(errors.means_m)

@@ -46,7 +46,7 @@ class MatchErrors:
 
 
 @dataclass(frozen=True, slots=True)
-class DepthErrors:
+class DenseDepthErrors:
     """What the disparity errors are as depths, over all pixels with both."""
 
     z_accuracy_pct: float
@@ -65,7 +65,7 @@ class DenseErrors:
     """By Middlebury's region: all, non-occluded, occluded, textureless, near-discontinuity."""
     phase: PhaseErrors
     """Against the fraction of a pixel."""
-    depth: DepthErrors
+    depth: DenseDepthErrors
     """As depths."""
     inlier_std_px: float
     """Standard deviation of the errors of at most 3 px, px."""
@@ -138,7 +138,7 @@ def check_truth(truth: Array, width: int, height: int) -> None:
         raise InvalidImage("truth: no disparity is known")
 
 
-def _depth_errors(disparity: Array, truth: Array, rig: StereoRig) -> DepthErrors:
+def _depth_errors(disparity: Array, truth: Array, rig: StereoRig) -> DenseDepthErrors:
     with np.errstate(divide="ignore", invalid="ignore"):
         depth, true = (
             rig.left.fx * rig.baseline_m / (values + rig.doffs_px) for values in (disparity, truth)
@@ -146,8 +146,8 @@ def _depth_errors(disparity: Array, truth: Array, rig: StereoRig) -> DepthErrors
         known = np.isfinite(depth) & np.isfinite(true) & (depth > 0) & (true > 0)
     error, true = depth[known] - true[known], true[known]
     if not len(error):
-        return DepthErrors(math.nan, math.nan, math.nan)
-    return DepthErrors(
+        return DenseDepthErrors(math.nan, math.nan, math.nan)
+    return DenseDepthErrors(
         z_accuracy_pct=100.0 * float(np.median(error / true)),
         rms_mm=1e3 * _trimmed_rms(error),
         rms_pct=100.0 * _trimmed_rms(error / true),

@@ -7,7 +7,7 @@ from typing import Literal, TypeAlias
 
 _DIGITS = 12
 
-Format: TypeAlias = Literal["text", "count", "number", "short", "angle", "ratio", "percent", "metres"]
+ColumnFormat: TypeAlias = Literal["text", "count", "number", "short", "angle", "ratio", "percent", "metres"]
 """How values read for people: words, whole numbers, three digits, up to four digits as typed, up to three,
 a ratio, a share as percent, millimetres as metres."""
 
@@ -22,7 +22,7 @@ class Column:
     """What a person calls it."""
     unit: str
     """Unit in files: mm, px, deg, %, 1/m, "" without one."""
-    format: Format
+    format: ColumnFormat
     """How values read for people."""
     meaning: str
     """One plain sentence."""
@@ -46,7 +46,7 @@ class Column:
         return "°" if self.unit == "deg" else self.unit
 
 
-class Table:
+class ColumnList:
     """Columns that are being put together."""
 
     def __init__(self) -> None:
@@ -58,7 +58,7 @@ class Table:
         name: str,
         heading: str,
         unit: str,
-        format: Format,
+        format: ColumnFormat,
         meaning: str,
         empty: bool = True,
         pattern: str = "",

@@ -12,12 +12,12 @@ from typing import Any, TypeAlias
 
 from rigsim.study.scene.axes import baseline, focal, hfov, noise, registry, resolution, sensor, vergence
 from rigsim.study.scene.axes import triangulator as method
-from rigsim.study.scene.column import Column, Table
+from rigsim.study.scene.column import Column, ColumnList
 
 Row: TypeAlias = dict[str, Any]
 """One row of a table before it becomes one; `agreement` is an `Agreement`, all else words and numbers."""
 
-_TABLE = Table()
+_TABLE = ColumnList()
 
 # what a row is about
 SCENE = _TABLE.add("scene", "scene", "", "text", "Name of the scene.", empty=False)

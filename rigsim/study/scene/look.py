@@ -21,9 +21,9 @@ from rigsim.study.agreement.fault import Fault
 from rigsim.study.scene.columns import Row
 from rigsim.study.scene.pictures import Exposure, expose_pair, without_noise
 from rigsim.study.scene.plan import Plan
-from rigsim.study.scene.rows import Evidence, configuration, empty_row, rows_of
+from rigsim.study.scene.rows import RowEvidence, configuration, empty_row, rows_of
 from rigsim.study.scene.statistics import ErrorStatistics
-from rigsim.study.scene.third_witness import Measured, measure
+from rigsim.study.scene.third_witness import MeasuredMatches, measure
 from rigsim.study.scene.trials import Prediction, predict, run_trials
 from rigsim.study.sweep.diagnosis import find_fault
 from rigsim.study.triangulators.registry import label as label_of
@@ -91,7 +91,7 @@ def run_rig(simulator: Simulator, rig: StereoRig, plan: Plan) -> Outcome:
 
 
 def all_rows(
-    simulator: Simulator, rig: StereoRig, plan: Plan, seen: Look, measured: Mapping[str, Measured]
+    simulator: Simulator, rig: StereoRig, plan: Plan, seen: Look, measured: Mapping[str, MeasuredMatches]
 ) -> Outcome:
     """All rows of a placed rig from what it sees and what was measured, by the sensor's name."""
     truth = seen.truth
@@ -115,7 +115,7 @@ def all_rows(
             diagnose = cache(partial(find_fault, true_rig, assumed_rig, usable, noise, methods[label]))
             for sensor in plan.sensors:
                 head = configuration(simulator.scene.name, rig, noise, label, sensor)
-                evidence = Evidence(
+                evidence = RowEvidence(
                     rig=assumed_rig,
                     points_left=truth.points_left,
                     uv_left=uv_left,
@@ -148,7 +148,9 @@ def measuring_method(simulator: Simulator, plan: Plan) -> str:
     return "corners" if len(simulator.scene.boards) >= CORNERS_FROM_BOARDS else "patches"
 
 
-def measure_pictures(simulator: Simulator, rig: StereoRig, plan: Plan, seen: Look) -> dict[str, Measured]:
+def measure_pictures(
+    simulator: Simulator, rig: StereoRig, plan: Plan, seen: Look
+) -> dict[str, MeasuredMatches]:
     """What the pictures of each sensor say, by the sensor's name; empty when nothing is to be measured."""
     method = measuring_method(simulator, plan)
     if method == "none":

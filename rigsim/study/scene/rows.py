@@ -15,7 +15,7 @@ from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.truth.points import Coverage
 from rigsim.statistics import rms
-from rigsim.study.agreement.agreement import Agreement, Place, worst
+from rigsim.study.agreement.agreement import Agreement, AgreementPlace, worst
 from rigsim.study.agreement.claims import measured_agreement
 from rigsim.study.agreement.fault import UNKNOWN, Fault
 from rigsim.study.agreement.simulated import Part, compare, image_parts
@@ -26,14 +26,14 @@ from rigsim.study.scene.column import clean
 from rigsim.study.scene.columns import DEPTH_COLUMNS, ERROR_COLUMNS, ROW_COLUMNS, Row
 from rigsim.study.scene.plan import Triangulator
 from rigsim.study.scene.statistics import ErrorStatistics, summarize
-from rigsim.study.scene.third_witness import Measured, bins_of, measured_row, nothing_measured
+from rigsim.study.scene.third_witness import MeasuredMatches, bins_of, measured_row, nothing_measured
 from rigsim.study.scene.trials import Prediction
 
 _FAR = (col.FAR_INVERSE_DEPTH_RMSE, col.PREDICTED_FAR_INVERSE_DEPTH_RMSE)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Evidence:
+class RowEvidence:
     """All that one row is made of; (N,) over the truth points of the rig."""
 
     rig: StereoRig
@@ -60,7 +60,7 @@ class Evidence:
     """Prediction for the visible points, in their order."""
     stats: ErrorStatistics
     """Simulated errors of the visible points, in their order."""
-    measured: Measured | None
+    measured: MeasuredMatches | None
     """What the pictures say; None when nothing was to be measured."""
     triangulator: Triangulator
     """The method under test."""
@@ -92,7 +92,7 @@ def empty_row(head: Row, n_trials: int, cause: str) -> Row:
     return row | _written(Agreement("untold", reason="no-points", cause=cause)) | head
 
 
-def rows_of(head: Row, evidence: Evidence) -> tuple[Row, list[Row], Fault | None]:
+def rows_of(head: Row, evidence: RowEvidence) -> tuple[Row, list[Row], Fault | None]:
     """The row of sweep.csv; those of sweep_by_depth.csv, one for each bin with points; and what is off."""
     n_bins = len(evidence.edges_m) - 1
     whole, parts = _agreements(evidence)
@@ -116,11 +116,11 @@ def rows_of(head: Row, evidence: Evidence) -> tuple[Row, list[Row], Fault | None
     return overall, by_depth, fault
 
 
-def _agreements(evidence: Evidence) -> tuple[Agreement, list[Agreement]]:
+def _agreements(evidence: RowEvidence) -> tuple[Agreement, list[Agreement]]:
     """Whether the simulation agrees with the prediction: over all, and in each depth bin."""
     visible, edges_m = evidence.visible, evidence.edges_m
     bins = [
-        Part(Place("depth", (near, far)), evidence.bins[visible] == i)
+        Part(AgreementPlace("depth", (near, far)), evidence.bins[visible] == i)
         for i, (near, far) in enumerate(itertools.pairwise(edges_m))
     ]
     left = evidence.rig.left
@@ -128,7 +128,7 @@ def _agreements(evidence: Evidence) -> tuple[Agreement, list[Agreement]]:
     return compare(evidence.prediction, evidence.stats, bins, regions)
 
 
-def _body(evidence: Evidence, inside: Mask, groups: slice) -> Row:
+def _body(evidence: RowEvidence, inside: Mask, groups: slice) -> Row:
     visible_inside = inside[evidence.visible]  # among the visible points
     low = evidence.prediction.low_disparity
     weight = evidence.image_weight[evidence.visible]
@@ -176,7 +176,7 @@ def _body(evidence: Evidence, inside: Mask, groups: slice) -> Row:
     }
 
 
-def _covered(evidence: Evidence, points: Mask, rays: Mask) -> Row:
+def _covered(evidence: RowEvidence, points: Mask, rays: Mask) -> Row:
     """Shares of the left image's pixels; of the points in a bin so small that no ray meets it."""
     coverage = evidence.coverage
     if not rays.any():
@@ -192,7 +192,7 @@ def _covered(evidence: Evidence, points: Mask, rays: Mask) -> Row:
     }
 
 
-def _far(evidence: Evidence, far: Mask) -> Row:
+def _far(evidence: RowEvidence, far: Mask) -> Row:
     """The error of 1/Z of the points that are too far for an RMS of depth; nothing where there are none.
 
     Trials beyond infinity fail. What is left of a Gaussian cut off at -s standard deviations has a mean
@@ -211,7 +211,7 @@ def _far(evidence: Evidence, far: Mask) -> Row:
     return dict(zip(_FAR, (math.sqrt(float(found.sum()) / n), math.sqrt(expected)), strict=True))
 
 
-def _joined(body: Row, evidence: Evidence, depth_bin: int | None, simulated: Agreement) -> Row:
+def _joined(body: Row, evidence: RowEvidence, depth_bin: int | None, simulated: Agreement) -> Row:
     """The row with what the pictures say of one depth bin, or of all, and the agreement of all witnesses."""
     measured = evidence.measured
     if measured is None:

@@ -39,7 +39,7 @@ _THREE_SIGMA = {1: 9.0, 4: 16.25}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Measured:
+class MeasuredMatches:
     """Matches of one pair of pictures beside their truth; one row a match that the measurement trusts."""
 
     method: str
@@ -76,7 +76,7 @@ def measure(
     rig: StereoRig,
     pictures: Pictures,
     assumed: StereoRig | None = None,
-) -> Measured:
+) -> MeasuredMatches:
     """Measure a pair of pictures of the placed rig and join the truth.
 
     The measurement is given the calibration of the `assumed` rig, the placed one's by default; the truth is
@@ -91,7 +91,7 @@ def measure(
         return _dense(simulator, rig, assumed, pictures)
     except (MeasurementFailed, InvalidImage) as error:
         empty = np.empty((0, 4))
-        return Measured(
+        return MeasuredMatches(
             method,
             empty[:, :2],
             empty[:, :2],
@@ -103,7 +103,7 @@ def measure(
         )
 
 
-def _corners(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures: Pictures) -> Measured:
+def _corners(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures: Pictures) -> MeasuredMatches:
     truth = simulator.true_corners()
     if len(truth.points_left) == 0:
         raise MeasurementFailed(f"scene {simulator.scene.name} declares no boards: measure patches")
@@ -130,7 +130,7 @@ def _corners(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures:
     return _joined("corners", rig, uv_left, uv_right, covariance, points_left, np.isfinite(points_left[:, 2]))
 
 
-def _patches(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures: Pictures) -> Measured:
+def _patches(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures: Pictures) -> MeasuredMatches:
     found = match_patches(pictures.left, pictures.right, assumed)
     valid = found.observations.valid
     uv_left = found.observations.uv_left[valid]
@@ -148,7 +148,7 @@ def _patches(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures:
     )
 
 
-def _dense(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures: Pictures) -> Measured:
+def _dense(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures: Pictures) -> MeasuredMatches:
     disparity = dense_disparity(pictures.left, pictures.right, assumed)
     v, u = (
         part.ravel() for part in np.mgrid[: rig.left.height : _DENSE_STRIDE, : rig.left.width : _DENSE_STRIDE]
@@ -188,11 +188,11 @@ def _joined(
     covariance_px2: Array,
     points_left: Array,
     visible: Mask,
-) -> Measured:
+) -> MeasuredMatches:
     true_left, true_right = rig.project(points_left)
     error_px = np.hstack([uv_left - true_left, uv_right - true_right])
     off = ~(np.abs(error_px[:, 0] - error_px[:, 2]) <= _OUTLIER_PX)
-    return Measured(method, uv_left, uv_right, covariance_px2, points_left, error_px, off | ~visible)
+    return MeasuredMatches(method, uv_left, uv_right, covariance_px2, points_left, error_px, off | ~visible)
 
 
 def nothing_measured() -> Row:
@@ -201,7 +201,7 @@ def nothing_measured() -> Row:
     return {**row, col.MEASURED_METHOD: "none", col.MEASURED_N: 0}
 
 
-def measured_row(measured: Measured, rig: StereoRig, method: Triangulator, inside: Mask) -> Row:
+def measured_row(measured: MeasuredMatches, rig: StereoRig, method: Triangulator, inside: Mask) -> Row:
     """The measured columns over the matches in `inside` (N,), triangulated by `method`."""
     kept = inside & ~measured.outlier
     row = nothing_measured() | {col.MEASURED_METHOD: measured.method, col.MEASURED_N: int(kept.sum())}
@@ -243,7 +243,7 @@ def measured_row(measured: Measured, rig: StereoRig, method: Triangulator, insid
     )
 
 
-def _claimed_distance2(measured: Measured, kept: Mask) -> Array:
+def _claimed_distance2(measured: MeasuredMatches, kept: Mask) -> Array:
     """Squared pixel errors over what the matches claim, (N,): chi-squared of `degrees` when it holds."""
     error, covariance = measured.error_px[kept], measured.covariance_px2[kept]
     if measured.degrees == 4:
@@ -253,7 +253,7 @@ def _claimed_distance2(measured: Measured, kept: Mask) -> Array:
         return np.asarray((error[:, 2:] ** 2).sum(axis=1) / variance)
 
 
-def bins_of(measured: Measured, edges_m: Array) -> Ids:
+def bins_of(measured: MeasuredMatches, edges_m: Array) -> Ids:
     """Depth bin of each match, (N,); -1 where its true point lies in none."""
     depth_m = measured.points_left[:, 2]
     inside = (depth_m >= edges_m[0]) & (depth_m <= edges_m[-1])

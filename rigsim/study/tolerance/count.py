@@ -18,7 +18,7 @@ from rigsim.study.tolerance.judge import Judge, make_judge
 from rigsim.study.tolerance.needed import GOOD
 from rigsim.study.tolerance.recalibration.compensator import Compensator
 from rigsim.study.tolerance.recalibration.session import Build, make_compensator
-from rigsim.study.tolerance.sensitivities import Requirement, causes, shared_points
+from rigsim.study.tolerance.sensitivities import BuildRequirement, causes, shared_points
 
 AS_BUILT = (4000, 12_000)
 """Rigs that are built, and how many more where the first do not tell."""
@@ -70,7 +70,7 @@ class Count:
 
 def count_good(
     build: Build,
-    required: Requirement,
+    required: BuildRequirement,
     range_m: tuple[float, float],
     *,
     sizes: Sequence[int] | None = None,

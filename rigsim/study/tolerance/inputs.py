@@ -126,7 +126,7 @@ def with_values(base: Tolerances, values: Mapping[str, Any]) -> Tolerances:
 
 
 @dataclass(frozen=True, slots=True)
-class Requirement:
+class BuildRequirement:
     """Largest depth error of one built rig at a distance, over the image and its pixel noise."""
 
     error_m: float

@@ -18,7 +18,7 @@ from scipy.special import ndtr
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.tolerance.inputs import Requirement
+from rigsim.study.tolerance.inputs import BuildRequirement
 from rigsim.theory.uncertainty import predict_depth_bias, predict_depth_std
 
 
@@ -26,7 +26,7 @@ from rigsim.theory.uncertainty import predict_depth_bias, predict_depth_std
 class Judge:
     """Holds rigs to a requirement at points (m, 3) of one depth."""
 
-    required: Requirement
+    required: BuildRequirement
     """The bound; its distance may be another than the points'."""
     z: Array
     """Depths of the points (m,) m."""
@@ -78,7 +78,7 @@ class Judge:
         return Judge(self.required, self.z, none, none)
 
 
-def make_judge(rig: StereoRig, points: Array, required: Requirement, noise_px: float) -> Judge:
+def make_judge(rig: StereoRig, points: Array, required: BuildRequirement, noise_px: float) -> Judge:
     """A judge of what `rig` is taken for, at points (m, 3) m, with `noise_px` on every pixel coordinate."""
     if noise_px == 0:
         return Judge(required, points[:, 2], np.zeros(len(points)), np.zeros(len(points)))

@@ -16,8 +16,8 @@ from rigsim.study.tolerance.judge import make_judge
 from rigsim.study.tolerance.recalibration.compensator import Compensator
 from rigsim.study.tolerance.recalibration.session import Build, Recalibration, make_compensator
 from rigsim.study.tolerance.sensitivities import (
+    BuildRequirement,
     Causes,
-    Requirement,
     Sensitivity,
     Tolerances,
     causes,
@@ -48,7 +48,7 @@ class ToleranceResult:
     """The assumed rig."""
     tolerances: Tolerances
     """What it may be off by."""
-    required: Requirement
+    required: BuildRequirement
     """What it is judged by."""
     recalibration: Recalibration | None
     """What the compensator had; None for none."""
@@ -91,7 +91,7 @@ class ToleranceResult:
 
 def run_tolerance(
     build: Build,
-    required: Requirement,
+    required: BuildRequirement,
     range_m: tuple[float, float],
     *,
     n_rigs: int = 10_000,
@@ -146,7 +146,7 @@ def run_tolerance(
     )
 
 
-def _depths_m(range_m: tuple[float, float], required: Requirement) -> list[float]:
+def _depths_m(range_m: tuple[float, float], required: BuildRequirement) -> list[float]:
     """Depths at which rigs are judged, near to far."""
     near_m, far_m = range_m
     if not 0 < near_m < far_m < math.inf:

@@ -17,8 +17,8 @@ from rigsim.study.tolerance.inputs import (
     DISTRIBUTIONS,
     QUANTITIES,
     UNITS,
+    BuildRequirement,
     Causes,
-    Requirement,
     Tolerances,
     causes,
     with_values,
@@ -33,8 +33,8 @@ __all__ = [
     "DISTRIBUTIONS",
     "QUANTITIES",
     "UNITS",
+    "BuildRequirement",
     "Causes",
-    "Requirement",
     "Sensitivity",
     "ToleranceClass",
     "Tolerances",
@@ -76,7 +76,11 @@ class Sensitivity:
 
 
 def sensitivities(
-    rig: StereoRig, off: Causes, planes: Mapping[float, Array], required: Requirement, noise_px: float = 0.0
+    rig: StereoRig,
+    off: Causes,
+    planes: Mapping[float, Array],
+    required: BuildRequirement,
+    noise_px: float = 0.0,
 ) -> list[Sensitivity]:
     """The effect of each quantity, the worst first.
 

@@ -33,7 +33,7 @@ _EDGE = 1e-12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Indices:
+class SobolIndices:
     """Sobol indices of some quantities, with the standard errors of their estimates."""
 
     first: Array
@@ -63,9 +63,9 @@ class Interactions:
 
     keys: tuple[str, ...]
     """The quantities, as in `Causes`."""
-    error: Indices
+    error: SobolIndices
     """Of the error at every point of the image: the variance is the mean squared error but for its mean."""
-    bias: Indices | None
+    bias: SobolIndices | None
     """Of the mean over the image alone; None where it does not vary."""
     evaluations: int
     """Rigs built for it."""
@@ -142,7 +142,7 @@ def estimate(
     return np.stack(found, axis=2), np.stack(variances)
 
 
-def combine(per_output: Array, variance: Array) -> Indices | None:
+def combine(per_output: Array, variance: Array) -> SobolIndices | None:
     """Indices of many outputs from those of each (2, q, s, m), weighted by their variances (s, m)."""
     whole = variance.sum(axis=1)
     if not (whole > 0).all():
@@ -154,4 +154,4 @@ def combine(per_output: Array, variance: Array) -> Indices | None:
     ]
     together = total - first
     pairs.append((together.mean(axis=1), together.std(axis=1, ddof=1) / math.sqrt(SHIFTS)))
-    return Indices(*(values for pair in pairs for values in pair))
+    return SobolIndices(*(values for pair in pairs for values in pair))

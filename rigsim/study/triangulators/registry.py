@@ -11,23 +11,23 @@ from rigsim.errors import TriangulatorError
 from rigsim.pixels.opencv import load_cv2
 from rigsim.pixels.opencv_triangulation import triangulate_cv2
 from rigsim.study.triangulators.isolated import IsolatedTriangulator
-from rigsim.theory.custom import CheckedTriangulator, Method, Triangulator, load
+from rigsim.theory.custom import CheckedTriangulator, NamedMethod, TriangulatorFunction, load
 from rigsim.theory.triangulation import METHODS, REGISTERED, resolve
 
-ALL: tuple[Method, ...] = (
+ALL: tuple[NamedMethod, ...] = (
     *REGISTERED,
-    Method("cv2", "OpenCV's triangulatePoints", triangulate_cv2, falls_short=True, ready=load_cv2),
+    NamedMethod("cv2", "OpenCV's triangulatePoints", triangulate_cv2, falls_short=True, ready=load_cv2),
 )
 """Every triangulator with a name: rigsim's own, then those of other libraries. A new one is a line here."""
 
-BY_NAME: Mapping[str, Method] = MappingProxyType({method.name: method for method in ALL})
+BY_NAME: Mapping[str, NamedMethod] = MappingProxyType({method.name: method for method in ALL})
 """The same by name."""
 
-KNOWN: Mapping[str, Triangulator] = MappingProxyType({method.name: method.function for method in ALL})
+KNOWN: Mapping[str, TriangulatorFunction] = MappingProxyType({method.name: method.function for method in ALL})
 """The functions by name."""
 
 
-def named(method: str | Callable[..., Any]) -> Triangulator:
+def named(method: str | Callable[..., Any]) -> TriangulatorFunction:
     """The triangulator that `method` names; a user's own comes back wrapped in its checks.
 
     Raises:

@@ -23,7 +23,7 @@ def depth_reach(rig: StereoRig, points_left: Array, noise_px: float) -> Array:
 
 
 @dataclass(frozen=True, slots=True)
-class Bound:
+class NoiseBound:
     """What the best unbiased triangulator leaves of a pixel noise, over the points that come back.
 
     Noise that pushes a point beyond infinity leaves none in front of the cameras. With a its `depth_reach`, a
@@ -47,7 +47,7 @@ class Bound:
     """Mean error of 1/Z, standard deviations, positive when too far; 0 where all come back."""
 
 
-def bound(rig: StereoRig, points_left: Array, noise_px: float) -> Bound:
+def bound(rig: StereoRig, points_left: Array, noise_px: float) -> NoiseBound:
     """The bound for points (N, 3) m and Gaussian noise of so many px in each of the four coordinates."""
     from scipy.stats import norm
 
@@ -60,7 +60,7 @@ def bound(rig: StereoRig, points_left: Array, noise_px: float) -> Bound:
     squares = float((weight * (2 + second)).sum()) / 3
     # of a chi-squared with two degrees of freedom: 2 and 8
     squares_of_squares = float((weight * (8 + 4 * second + fourth)).sum()) / 9
-    return Bound(
+    return NoiseBound(
         float(1 - back.mean()),
         math.sqrt(float((back * (1 - back)).sum())) / len(back),
         squares,

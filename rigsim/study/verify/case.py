@@ -10,7 +10,7 @@ import numpy as np
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.stereo import StereoRig
 
-Kind: TypeAlias = Literal["exact", "noisy", "measured", "nowhere"]
+CaseKind: TypeAlias = Literal["exact", "noisy", "measured", "nowhere"]
 """What a case asks: the point itself, an error of the size that noise allows, the same for pixels that
 were found in pictures, or no point at all."""
 
@@ -23,7 +23,7 @@ class Case:
     """Unique within a suite, as ``verged exact``."""
     group: str
     """What cases of one geometry share, as ``verged``."""
-    kind: Kind
+    kind: CaseKind
     """What must hold."""
     about: str
     """What it shows, in a sentence or two that stand alone."""

@@ -13,8 +13,8 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
 from rigsim.study.verify.result import CaseResult, TriangulatorResult
 
-Verdict: TypeAlias = Literal["same", "within tolerance", "within noise", "moved", "new", "gone"]
-VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
+GoldenVerdict: TypeAlias = Literal["same", "within tolerance", "within noise", "moved", "new", "gone"]
+VERDICTS: tuple[GoldenVerdict, ...] = get_args(GoldenVerdict)
 """What may have become of a golden number."""
 
 DEPTH_ALLOWED_M = 1e-9
@@ -76,12 +76,12 @@ class Move:
     """Value now; NaN when it is gone."""
     bound: float
     """What it may differ by."""
-    verdict: Verdict
+    verdict: GoldenVerdict
     """Whether that matters."""
 
 
 @dataclass(frozen=True, slots=True)
-class Comparison:
+class GoldenComparison:
     """All golden numbers, then and now."""
 
     moves: tuple[Move, ...]
@@ -89,7 +89,7 @@ class Comparison:
     remarks: tuple[str, ...] = field(default=())
     """Differences in what made the two, a sentence each."""
 
-    def count(self, verdict: Verdict) -> int:
+    def count(self, verdict: GoldenVerdict) -> int:
         """How many numbers have a verdict."""
         return sum(move.verdict == verdict for move in self.moves)
 
@@ -105,7 +105,7 @@ class GoldenReport:
 
     folder: str
     """The folder."""
-    comparison: Comparison
+    comparison: GoldenComparison
     """All numbers, then and now."""
     troubles: tuple[str, ...] = ()
     """Files that could not be read, a line each."""
@@ -147,7 +147,7 @@ def triangulator_record(result: TriangulatorResult, about: Mapping[str, str]) ->
     return Record(f"triangulator-{name}", about, tuple(map(_rounded, numbers)))
 
 
-def compare(golden: Sequence[Record], now: Sequence[Record], partial: bool = False) -> Comparison:
+def compare(golden: Sequence[Record], now: Sequence[Record], partial: bool = False) -> GoldenComparison:
     """Hold records against golden ones of the same names; golden ones that were not made again are skipped.
 
     Colours are left out where nothing drew them now.
@@ -178,7 +178,7 @@ def compare(golden: Sequence[Record], now: Sequence[Record], partial: bool = Fal
         again = dict(old.about) == dict(record.about)
         moves.extend(_moves(record.name, old_numbers, record.numbers, again))
     kept = (move for move in moves if not (partial and move.verdict == "gone"))
-    return Comparison(tuple(kept), tuple(remarks))
+    return GoldenComparison(tuple(kept), tuple(remarks))
 
 
 def rig_words(rig: StereoRig) -> str:
@@ -226,7 +226,7 @@ def _move(name: str, then: Number, now: Number, again: bool) -> Move:
     rounding = ROUNDING * abs(then.value) if then.standard_error else 0.0
     bound = max(then.allowed, now.allowed, noise, rounding)
     change = abs(now.value - then.value)
-    verdict: Verdict = "moved"
+    verdict: GoldenVerdict = "moved"
     if now.value == then.value or (math.isnan(now.value) and math.isnan(then.value)):
         verdict = "same"
     elif change <= bound:

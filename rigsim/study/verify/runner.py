@@ -13,7 +13,7 @@ from rigsim.study.verify.case import Case
 from rigsim.study.verify.checks import judge, statistical_checks
 from rigsim.study.verify.diagnosis.diagnosis import diagnose
 from rigsim.study.verify.result import CaseResult, Check, TriangulatorResult
-from rigsim.theory.custom import CheckedTriangulator, Triangulator
+from rigsim.theory.custom import CheckedTriangulator, TriangulatorFunction
 
 PATIENCE = 3
 """A triangulator that does not come back from so many cases in a row is not asked again."""
@@ -23,7 +23,7 @@ FALSE_ALARM = 1e-4
 
 def verify(
     cases: Sequence[Case],
-    triangulators: Mapping[str, Triangulator],
+    triangulators: Mapping[str, TriangulatorFunction],
     on_result: Callable[[CaseResult], None] = lambda _: None,
     false_alarm: float = FALSE_ALARM,
 ) -> tuple[TriangulatorResult, ...]:
@@ -52,7 +52,7 @@ def verify(
     return tuple(finished)
 
 
-def run_case(case: Case, label: str, function: Triangulator, false_alarm: float) -> CaseResult:
+def run_case(case: Case, label: str, function: TriangulatorFunction, false_alarm: float) -> CaseResult:
     """One triangulator on one case; whatever it does wrong is in the result."""
     why_not = not_applicable(label, case)
     if why_not:
@@ -88,11 +88,11 @@ def run_case(case: Case, label: str, function: Triangulator, false_alarm: float)
     )
 
 
-def _is_checked(function: Triangulator) -> bool:
+def _is_checked(function: TriangulatorFunction) -> bool:
     return isinstance(function, CheckedTriangulator)
 
 
-def _notes(function: Triangulator) -> tuple[str, ...]:
+def _notes(function: TriangulatorFunction) -> tuple[str, ...]:
     return tuple(getattr(function, "notes", ()))
 
 

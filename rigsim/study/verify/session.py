@@ -15,7 +15,7 @@ from rigsim.study.verify.rendered import scene_rig
 from rigsim.study.verify.result import CaseResult, VerifyResult
 from rigsim.study.verify.runner import verify
 from rigsim.study.verify.suite import scene_cases, selected, synthetic_cases
-from rigsim.theory.custom import Triangulator
+from rigsim.theory.custom import TriangulatorFunction
 
 _OF_A_SCENE = ("exact", "noisy", "corners", "patches")
 
@@ -87,7 +87,7 @@ def gather(selection: Selection, on_scene: Callable[[int], None] = lambda _: Non
 
 def run(
     gathered: Gathered,
-    triangulators: Mapping[str, Triangulator],
+    triangulators: Mapping[str, TriangulatorFunction],
     selection: Selection,
     on_result: Callable[[CaseResult], None] = lambda _: None,
     command: str = "",

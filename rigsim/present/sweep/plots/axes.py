@@ -17,7 +17,7 @@ MAX_LINES = 6
 
 
 @dataclass(frozen=True, slots=True)
-class Axis:
+class PlotAxis:
     """One thing that was varied."""
 
     column: str
@@ -48,9 +48,9 @@ class Axis:
 class Slice:
     """What one plot against `x` shows: a line for each of `values` of `lines`, the rest held."""
 
-    x: Axis
+    x: PlotAxis
     """Axis drawn along the page."""
-    lines: Axis | None
+    lines: PlotAxis | None
     """Axis that tells the curves apart; None for a single curve."""
     values: tuple[Any, ...]
     """Values of `lines` that are drawn."""
@@ -72,14 +72,14 @@ class Slice:
         return parts
 
 
-def swept_axes(result: SweepResult) -> list[Axis]:
+def swept_axes(result: SweepResult) -> list[PlotAxis]:
     """The varied axes in the order of `result.swept`; width and height that go together count as one."""
     rows, names = result.rows, [name for name in result.swept if name in result.rows]
     said = _resolutions(rows)
     if col.WIDTH in names and said:
         names = [name for name in names if name != col.HEIGHT]
     axes = [
-        Axis(name, "resolution", "px", tuple(sorted(said)), True, lambda value: said[int(value)])
+        PlotAxis(name, "resolution", "px", tuple(sorted(said)), True, lambda value: said[int(value)])
         if name == col.WIDTH and said
         else _axis(rows, name)
         for name in names
@@ -92,7 +92,7 @@ def best_row(result: SweepResult) -> pd.Series[Any]:
     return result.rows.iloc[result.best[0] if result.best else result.showcase.row]
 
 
-def slice_along(result: SweepResult, x: Axis, axes: list[Axis]) -> Slice:
+def slice_along(result: SweepResult, x: PlotAxis, axes: list[PlotAxis]) -> Slice:
     """The slice through the best row that shows what `x` does, with the first other axis as lines."""
     others = [axis for axis in axes if axis.column != x.column]
     best = best_row(result)
@@ -107,7 +107,7 @@ def slice_along(result: SweepResult, x: Axis, axes: list[Axis]) -> Slice:
     return Slice(x, lines, values, held, "; ".join(notes))
 
 
-def held_words(axis: Axis, value: Any) -> str:
+def held_words(axis: PlotAxis, value: Any) -> str:
     """That an axis is held at a value; number and unit stay on one line."""
     said = axis.say(value)
     return f"{axis.heading} held at " + (said.replace(" ", "\u00a0") if axis.unit else said)
@@ -126,7 +126,7 @@ def representative(values: tuple[Any, ...], wanted: Any, count: int = MAX_LINES)
     return tuple(values[i] for i in sorted(picked))
 
 
-def _axis(rows: pd.DataFrame, name: str) -> Axis:
+def _axis(rows: pd.DataFrame, name: str) -> PlotAxis:
     column = COLUMNS[name]
     numeric = column.numeric
     found = rows[name].unique().tolist()
@@ -134,7 +134,7 @@ def _axis(rows: pd.DataFrame, name: str) -> Axis:
     show = column.show
     if not numeric and len({_function(value) for value in values}) == len(values):
         show = _function
-    return Axis(name, column.heading, column.unit, values, numeric, show)
+    return PlotAxis(name, column.heading, column.unit, values, numeric, show)
 
 
 def _function(name: str) -> str:

@@ -18,7 +18,7 @@ from rigsim.present.kit import style
 from rigsim.present.kit.format import plain
 from rigsim.present.sweep.measured_words import was_measured
 from rigsim.present.sweep.plots import third
-from rigsim.present.sweep.plots.axes import Axis, Slice
+from rigsim.present.sweep.plots.axes import PlotAxis, Slice
 from rigsim.present.sweep.plots.strips import mark_beyond, scale_strip, within
 from rigsim.rig.arrays import Array
 from rigsim.study.agreement.agreement import blamed
@@ -39,7 +39,7 @@ _NO_ERROR_MM = 1e-6  # below a nanometre there is only arithmetic, nothing a log
 _DOTS = (0, (1, 2))
 _LINE_IN = 0.2
 
-DEPTH = Axis(col.DEPTH_MEDIAN, "depth", "m", (), True, lambda value: plain(value / 1e3))
+DEPTH = PlotAxis(col.DEPTH_MEDIAN, "depth", "m", (), True, lambda value: plain(value / 1e3))
 """The axis of `SweepResult.by_depth`, drawn in metres."""
 
 
@@ -99,7 +99,7 @@ def _numbers(table: pd.DataFrame, name: str) -> Array:
     return np.asarray(table[name], dtype=np.float64)
 
 
-def along(axis: Axis, part: pd.DataFrame) -> Array:
+def along(axis: PlotAxis, part: pd.DataFrame) -> Array:
     """Where rows stand along the page: their value, in m for depth, or the place of their name."""
     if axis is DEPTH:
         middle = np.sqrt(_numbers(part, col.DEPTH_NEAR) * _numbers(part, col.DEPTH_FAR))
@@ -111,7 +111,7 @@ def along(axis: Axis, part: pd.DataFrame) -> Array:
 
 
 def _scale_main(
-    axes: Axes, strips: list[Axes], axis: Axis, parts: list[pd.DataFrame], found: list[third.Series]
+    axes: Axes, strips: list[Axes], axis: PlotAxis, parts: list[pd.DataFrame], found: list[third.Series]
 ) -> None:
     every = pd.concat(parts)
     x = np.concatenate([along(axis, every), *(series.x for series in found)])
@@ -130,9 +130,9 @@ def _scale_main(
         style.plain_axis(axes, "y", 0.0, 1.15 * float(y.max()), "linear")
 
 
-def scale_x(every: list[Axes], axis: Axis, x: Array, *, own: bool) -> None:
+def scale_x(every: list[Axes], axis: PlotAxis, x: Array, *, own: bool) -> None:
     """Scale, limits and ticks along the page for places `x`; `own` ticks few values where they stand."""
-    scale: style.Scale = "linear"
+    scale: style.AxisScale = "linear"
     if not axis.numeric:
         low, high = -0.5, len(axis.values) - 0.5
     elif (scale := style.scale_of(x, 4)) == "log":
@@ -171,7 +171,7 @@ def _aside(strip: Axes, dodge_pt: float) -> Transform:
 
 
 def _draw_line(
-    axes: Axes, strip: Axes, axis: Axis, part: pd.DataFrame, color: str, marker: str, dodge_pt: float
+    axes: Axes, strip: Axes, axis: PlotAxis, part: pd.DataFrame, color: str, marker: str, dodge_pt: float
 ) -> None:
     x = along(axis, part)
     simulated = _numbers(part, col.DEPTH_RMSE)

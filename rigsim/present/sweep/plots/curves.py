@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from rigsim.present.kit import style
 from rigsim.present.sweep.measured_words import was_measured
-from rigsim.present.sweep.plots.axes import Axis, best_row, held_words, slice_along, swept_axes
+from rigsim.present.sweep.plots.axes import PlotAxis, best_row, held_words, slice_along, swept_axes
 from rigsim.present.sweep.plots.chart import DEPTH, PANEL_WIDTH, RATIO_BOTTOM, SIDE, draw_chart, panel_height
 from rigsim.present.sweep.plots.heatmap import draw_heat_map, heat_map_axes
 from rigsim.present.sweep.same import at_same_distances, same_words
@@ -33,7 +33,7 @@ class Panel:
     """What was held or left out, in words; "" when nothing was."""
     kind: str
     """"axis", "depth" or "heat"."""
-    axes: tuple[Axis, ...]
+    axes: tuple[PlotAxis, ...]
     """Axes of the sweep drawn along the page (and up it, for a heat map)."""
 
 
@@ -91,7 +91,7 @@ def depth_error_figure(result: SweepResult) -> Figure:
     return figure
 
 
-def _noise_note(result: SweepResult, axis: Axis) -> str:
+def _noise_note(result: SweepResult, axis: PlotAxis) -> str:
     """Where the measured marks stand along an axis of noise, which no picture knows."""
     if axis.column != col.NOISE or not was_measured(result.rows):
         return ""

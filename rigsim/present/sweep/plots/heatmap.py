@@ -12,7 +12,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLoca
 
 from rigsim.present.kit import style
 from rigsim.present.kit.format import number, plain
-from rigsim.present.sweep.plots.axes import Axis, best_row, swept_axes
+from rigsim.present.sweep.plots.axes import PlotAxis, best_row, swept_axes
 from rigsim.present.sweep.same import at_same_distances
 from rigsim.rig.arrays import Array
 from rigsim.study.agreement.agreement import flagged as flagged_rows
@@ -23,13 +23,13 @@ _MOST_ANNOTATED = 12
 _MOST_TICKS = 10
 
 
-def heat_map_axes(axes: list[Axis]) -> tuple[Axis, Axis] | None:
+def heat_map_axes(axes: list[PlotAxis]) -> tuple[PlotAxis, PlotAxis] | None:
     """The two numeric axes with the most values, the longer one along the page; None without two."""
     numeric = sorted((axis for axis in axes if axis.numeric), key=lambda axis: -len(axis.values))
     return (numeric[0], numeric[1]) if len(numeric) > 1 else None
 
 
-def heat_map_values(result: SweepResult, across: Axis, up: Axis) -> tuple[Array, Array]:
+def heat_map_values(result: SweepResult, across: PlotAxis, up: PlotAxis) -> tuple[Array, Array]:
     """Depth error RMS (rows of `up`, columns of `across`) in mm, and 1 where flagged.
 
     It is taken at the same distances; NaN where no rig is, or none that answers them. Further axes are held
@@ -53,8 +53,8 @@ def draw_heat_map(
     figure: Figure,
     frame: tuple[float, float, float, float],
     result: SweepResult,
-    across: Axis,
-    up: Axis,
+    across: PlotAxis,
+    up: PlotAxis,
     title: str,
 ) -> None:
     """Draw the heat map with its colour bar; `frame` is left, bottom, width, height in inches."""
@@ -110,7 +110,7 @@ def draw_heat_map(
         )
 
 
-def _ticks(axes: Axes, across: Axis, up: Axis) -> None:
+def _ticks(axes: Axes, across: PlotAxis, up: PlotAxis) -> None:
     for axis, drawn in ((across, axes.xaxis), (up, axes.yaxis)):
         most = _MOST_TICKS if max(len(axis.show(value)) for value in axis.values) <= 4 else 7
         step = -(-len(axis.values) // most)

@@ -16,7 +16,7 @@ from rigsim.present.kit import style
 from rigsim.present.kit.format import plain
 from rigsim.present.sweep.measured_words import METHODS, noise_value
 from rigsim.present.sweep.plots import third
-from rigsim.present.sweep.plots.axes import Axis, Slice, best_row, slice_along, swept_axes
+from rigsim.present.sweep.plots.axes import PlotAxis, Slice, best_row, slice_along, swept_axes
 from rigsim.present.sweep.plots.chart import DEPTH, along, drawn, scale_x
 from rigsim.present.sweep.plots.strips import mark_beyond, scale_strip, within
 from rigsim.rig.arrays import Array
@@ -58,14 +58,14 @@ def witnesses_figure(result: SweepResult) -> Figure:
     return figure
 
 
-def _best_line(result: SweepResult, x: Axis, axes: list[Axis]) -> Slice:
+def _best_line(result: SweepResult, x: PlotAxis, axes: list[PlotAxis]) -> Slice:
     """The slice through the best row, everything else held."""
     best = best_row(result)
     held = {axis.column: best[axis.column] for axis in axes if axis.column != x.column}
     return replace(slice_along(result, x, axes), lines=None, values=(), held=held)
 
 
-def _title(cut: Slice, axes: list[Axis]) -> str:
+def _title(cut: Slice, axes: list[PlotAxis]) -> str:
     """What is drawn against what, and where the other axes are held; the legend names the noise."""
     names = [axis for axis in axes if axis.column in cut.held and axis.column != col.NOISE]
     said = (f"{axis.heading} {axis.say(cut.held[axis.column])}".replace(" ", "\u00a0") for axis in names)
@@ -133,7 +133,7 @@ def _draw_curve(axes: Axes, strip: Axes, curve: _Curve, color: str, dashes: thir
         )
 
 
-def _simulated(axis: Axis, part: pd.DataFrame) -> _Curve:
+def _simulated(axis: PlotAxis, part: pd.DataFrame) -> _Curve:
     error, predicted, low, high = (
         np.asarray(part[name], dtype=np.float64)
         for name in (

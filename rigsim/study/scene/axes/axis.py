@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from rigsim.rig.quantity import Kind
+from rigsim.rig.quantity import QuantityKind
 from rigsim.study.scene.column import Column
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ class Axis:
     """Of its option where one rig is described."""
     metavar: str = ""
     """What stands for its value where one rig is described."""
-    kind: Kind | None = None
+    kind: QuantityKind | None = None
     """How its values are typed; None where they are no plain numbers, and the command line reads them."""
     default: str | None = None
     """What is typed unless said; None for what the rig has."""
