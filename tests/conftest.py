@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 
+import pytest
 from hypothesis import settings
 
 # read when numpy and GL are first loaded: there are as many test processes as cores
@@ -14,3 +15,11 @@ os.environ["RIGSIM_NO_NET"] = "1"  # a fault must be seen, not caught in a line
 settings.register_profile("ci", deadline=None, derandomize=True)
 settings.register_profile("dev", deadline=None)
 settings.load_profile("ci" if os.environ.get("CI") else "dev")
+
+
+@pytest.fixture
+def few_built_rigs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Designs build 200 rigs a class, not 2000: for tests that do not ask for a yield to the percent."""
+    from rigsim.study.design import tolerance
+
+    monkeypatch.setattr(tolerance, "_RIGS", 200)

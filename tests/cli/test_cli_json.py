@@ -20,6 +20,7 @@ from rigsim.interop.documents.text import json_text
 from rigsim.study.scene.columns import DEPTH_COLUMNS, ROW_COLUMNS
 from tests.helpers.documents import valid
 
+pytestmark = pytest.mark.usefixtures("few_built_rigs")
 RIG = "--focal 1200 --baseline 150 --resolution 1280x960"
 SMALL = "--points 100 --trials 5 --resolution 160x120 --renderer rays"
 SWEEP = f"sweep --baseline 60,120 --noise 0.02 --measure none {SMALL}"
@@ -192,7 +193,7 @@ def typed(*words: str, **environment: str) -> subprocess.CompletedProcess[bytes]
 @pytest.mark.parametrize("jobs", ["1", "2"])
 def test_what_the_user_s_code_prints_goes_elsewhere(tmp_path: Path, jobs: str) -> None:
     (tmp_path / "loud.py").write_text(NOISY)
-    done = typed(*SWEEP.split(), "--triangulator", "loud:f", "--jobs", jobs, "--json")
+    done = typed(*SWEEP.split(), "--triangulator", "loud:f", "--in-process", "--jobs", jobs, "--json")
     assert done.returncode == 0, done.stderr
     assert valid("sweep", done.stdout.decode())["rows"][0]["triangulator"] == "loud:f"
     for said in (b"imported", b"called", b"a program speaks"):
@@ -209,7 +210,7 @@ def test_an_interrupted_sweep_is_a_document_too(tmp_path: Path) -> None:
         "    return rigsim.triangulate(rig, uv_left, uv_right)\n"
     )
     words = SWEEP.replace("60,120", "50:500/20").replace("--trials 5", "--trials 1")
-    done = typed(*words.split(), "--triangulator", "mine:f", "--json")
+    done = typed(*words.split(), "--triangulator", "mine:f", "--in-process", "--json")
     assert done.returncode == 128 + signal.SIGINT, done.stderr
     said = valid("sweep", done.stdout.decode())
     assert said["complete"] is False

@@ -14,6 +14,7 @@ from rigsim.theory.limits import overlap_at_depth
 from tests.helpers.sampling import close
 
 ASKED = ["--range", "0.5:3m", "--depth-error", "60mm@3m"]
+pytestmark = pytest.mark.usefixtures("few_built_rigs")
 SMALL = ["--resolution", "640x480", "--lens", "70deg"]
 
 

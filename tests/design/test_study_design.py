@@ -37,6 +37,7 @@ SPEC = specify(
     0.5, 3.0, [Requirement("depth_error", 0.060, 3.0), Requirement("fov", math.radians(60))], build_share=0.1
 )
 PLAN = Plan(range_m=(0.5, 3.0), noises=(PixelNoise(0.25),), n_points=1500, n_trials=30, measure="none")
+pytestmark = pytest.mark.usefixtures("few_built_rigs")
 
 
 def merits(c: Candidate) -> tuple[float, ...]:

@@ -164,7 +164,7 @@ def test_noise_of_the_picture_adds_no_render(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(Simulator, "render", counted)
     sensors = {f"{grey} grey": Sensor(grey_noise=grey) for grey in (0.0, 2.0, 6.0)}
     plan = Plan(n_points=200, n_trials=5, sensors=sensors, noises=(PixelNoise(0.1), PixelNoise(0.2)))
-    result = sweep(RigGrid(RIG), plan)
+    result = sweep(RigGrid(RIG, resolutions_px=((640, 360),)), plan)
     assert len(drawn) == 1 + 1  # the rig, and the best one again for its pictures
     assert len(result.rows) == 6
     assert result.swept == ("noise_px", "sensor")

@@ -13,6 +13,7 @@ import pytest
 
 from rigsim.cli.app import run
 from rigsim.study.scene.columns import DEPTH_COLUMNS, ROW_COLUMNS
+from tests.helpers.cli import rigsim
 from tests.helpers.scenes import SLANTED, write
 
 SMALL = ["--points", "200", "--trials", "5", "--resolution", "160x120", "--measure", "none"]
@@ -29,7 +30,7 @@ FILES = {
 }
 
 
-def rigsim(*args: object, cwd: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+def process(*args: object, cwd: Path, **environment: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-m", "rigsim", *map(str, args)],
         cwd=cwd,
@@ -65,7 +66,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
 @pytest.fixture(scope="module")
 def swept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, subprocess.CompletedProcess[str]]:
     folder = tmp_path_factory.mktemp("sweep")
-    done = rigsim(
+    done = process(
         "sweep",
         "--baseline",
         "60,120",
@@ -133,7 +134,7 @@ def test_a_user_scene_and_triangulator(tmp_path: Path):
         "import rigsim\n\ndef twice_as_far(rig, uv_left, uv_right):\n"
         "    return 2 * rigsim.triangulate(rig, uv_left, uv_right)\n"
     )
-    done = rigsim(
+    done = process(
         "sweep", "--scene", scene, "--mount", "camera:front", "--triangulator", "dlt,mine:twice_as_far",
         *SMALL, "--out", "out", cwd=tmp_path,
     )  # fmt: skip
@@ -216,7 +217,7 @@ def test_a_report_is_not_overwritten_without_force(swept, here: Here):
 
 def test_the_same_bytes_for_any_number_of_processes(tmp_path: Path):
     for jobs in (1, 2):
-        done = rigsim(
+        done = process(
             "sweep", "--baseline", "60:120/3", *SMALL, "--renderer", "rays", "--jobs", jobs,
             "--out", f"out{jobs}", cwd=tmp_path,
         )  # fmt: skip
@@ -239,9 +240,9 @@ def test_interrupt_keeps_what_is_done(tmp_path: Path, jobs: int):
         "        os.kill(os.getppid() if parent else os.getpid(), signal.SIGINT)\n"
         "    return rigsim.triangulate(rig, uv_left, uv_right)\n"
     )
-    done = rigsim(
+    done = process(
         "sweep", "--baseline", "50:500/40", "--renderer", "rays", "--resolution", "160x120", "--points", 100,
-        "--trials", 1, "--measure", "none", "--triangulator", "mine:f", "--jobs", jobs,
+        "--trials", 1, "--measure", "none", "--triangulator", "mine:f", "--in-process", "--jobs", jobs,
         "--out", "out", cwd=tmp_path,
     )  # fmt: skip
     assert done.returncode == 130, done.stderr
@@ -309,7 +310,7 @@ def test_scenes_and_doctor_speak(tmp_path: Path):
 @pytest.mark.parametrize("preset", ["osmesa", "egl", "glfw", "nonsense"])
 def test_a_preset_gl_library_that_is_missing_does_no_harm(tmp_path: Path, preset: str):
     # importing mujoco with one of these set can kill the interpreter
-    done = rigsim(
+    done = process(
         "render",
         "--renderer",
         "rays",
