@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import http.server
+import re
 import sys
 from functools import partial
 from pathlib import Path
@@ -12,13 +13,19 @@ from sphinx.cmd.build import build_main
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 BUILT = DOCS / "_build"
+_FETCHED = r'(?:src|href)="(?:https?:)?//[^"]*\.(?:js|css|woff2?)[?"]|src="(?:https?:)?//'
 
 
 def build() -> int:
     """Build the site; returns Sphinx's exit code."""
     _forget_removed_examples()
     words = ["--fail-on-warning", "--keep-going", "--quiet", "--builder", "html"]
-    return build_main([*words, "--doctree-dir", str(BUILT / "doctrees"), str(DOCS), str(BUILT / "html")])
+    code = build_main([*words, "--doctree-dir", str(BUILT / "doctrees"), str(DOCS), str(BUILT / "html")])
+    for page in (BUILT / "html").glob("**/*.html"):
+        if re.search(_FETCHED, page.read_text(encoding="utf-8")):
+            print(f"{page}: loads a script, style or font from elsewhere", file=sys.stderr)
+            code = code or 1
+    return code
 
 
 def _forget_removed_examples() -> None:
