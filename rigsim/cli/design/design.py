@@ -36,7 +36,7 @@ def design(
         typer.Option(
             metavar="ERROR[@DISTANCE]",
             help="Depth error allowed, root mean square of one rig with its noise: 10mm@3m, 1%, 1%@2m; "
-            "p95:20mm@3m for what 95 of 100 errors stay under. At the far end unless said. May be given "
+            "p95:20mm@3m for the 95th percentile. At the far end unless said. May be given "
             "several times.",
         ),
     ],

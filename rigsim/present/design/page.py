@@ -83,9 +83,7 @@ def _tolerance_part(tolerance: DesignTolerance) -> dict[str, Any]:
         "class_name": tolerance.class_name,
         "about": CLASSES[tolerance.class_name].about,
         "required": f"{words.size(required_m)} at {at}",
-        "statistic": "what 95 of 100 of its errors stay under"
-        if result.required.p95
-        else "the root mean square",
+        "statistic": "the 95th percentile of its errors" if result.required.p95 else "the root mean square",
         "heads": [head.replace("\n", " ") for head in quantity_heads(result)],
         "rows": quantity_rows(result),
         "yields": [

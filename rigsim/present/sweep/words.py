@@ -11,6 +11,7 @@ import pandas as pd
 from rigsim.present.kit import agreement
 from rigsim.present.kit.agreement import fault as fault
 from rigsim.present.kit.agreement import spelled as spelled
+from rigsim.present.kit.format import count
 from rigsim.present.sweep.phrases import describe, distances, mm, percent, say
 from rigsim.study.agreement.agreement import kinds as kinds_of
 from rigsim.study.scene import columns as col
@@ -135,18 +136,18 @@ def growth_words(found: Growth | None) -> str:
 def _headline(row: pd.Series, bins: pd.DataFrame) -> str:
     middle = bins[bins[col.DEPTH_FAR] >= row[col.DEPTH_MEDIAN]].iloc[0]
     ending = {
-        "agrees": "and in agreement",
-        "flagged": f"and {agreement.text(row[col.AGREEMENT])}",
+        "agrees": "they agree",
+        "flagged": f"{agreement.text(row[col.AGREEMENT])}",
         # what is untold of the pictures leaves the simulation as it is
-        "untold": "and in agreement"
+        "untold": "they agree"
         if row[col.AGREEMENT].witness == "measured"
-        else "with too little to tell whether they agree",
+        else "not enough to tell whether they agree",
     }[row[col.AGREEMENT].kind]
     return (
         f"At {_depths(middle)}, {row[col.BASELINE]:.4g} mm of baseline gives "
         f"{mm(middle[col.DEPTH_RMSE])} RMS depth error; "
         f"predicted {mm(middle[col.PREDICTED_DEPTH_RMSE])}; "
-        f"simulated on {row[col.N_VISIBLE]:.0f} points of `{row[col.SCENE]}`, {ending}."
+        f"simulated on {count(row[col.N_VISIBLE])} points in scene `{row[col.SCENE]}`; {ending}."
     )
 
 
@@ -229,8 +230,8 @@ def _measured(row: pd.Series) -> list[str]:
     noise_px = row[col.MEASURED_DISPARITY_STD] / 2**0.5
     return [
         f"Measured in the pictures ({int(row[col.MEASURED_N])} {row[col.MEASURED_METHOD]}, sensor "
-        f"`{row[col.SENSOR]}`): {mm(row[col.MEASURED_DEPTH_RMSE])} RMS depth error, where the accuracy they "
-        f"claim predicts {mm(row[col.PREDICTED_FROM_MEASURED_RMSE])}; their disparity noise of "
+        f"`{row[col.SENSOR]}`): {mm(row[col.MEASURED_DEPTH_RMSE])} RMS depth error; its own error "
+        f"estimate predicts {mm(row[col.PREDICTED_FROM_MEASURED_RMSE])}. The disparity noise of "
         f"{row[col.MEASURED_DISPARITY_STD]:.2g} px corresponds to `--noise {noise_px:.2g}`."
     ]
 
@@ -243,10 +244,10 @@ def _coverage(rows: pd.DataFrame, swept: tuple[str, ...]) -> list[str]:
         return [f"Both cameras see {least} or more of the left image's pixels that show the scene."]
     worst = rows.loc[coverage.idxmin()]
     return [
-        f"The cameras share least at {describe(worst, swept) or 'this rig'}: both see only "
+        f"Overlap is smallest at {describe(worst, swept) or 'this rig'}: both cameras see only "
         f"{percent(worst[col.VISIBLE_FRACTION])} of the left image's pixels that show the scene, "
         f"against {percent(coverage.max())} at best; rows under {percent(WELL_COVERED)} of the best "
-        "coverage are not called best."
+        "coverage are not ranked."
     ]
 
 

@@ -162,18 +162,18 @@ def _who(yields: Sequence[ClassYield], class_name: str) -> str:
         f"Of {class_name} rigs {words.share(own.as_built.share)} % keep it as built, "
         f"{words.share(own.recalibrated.share)} % once each is recalibrated"
     )
-    for state, how in (("as_built", "as built"), ("recalibrated", "once every rig is recalibrated")):
+    for state, how in (("as_built", "as built"), ("recalibrated", "recalibrated")):
         for item in yields:
             count: Count = getattr(item, state)
             if count.is_enough:
-                return f"{said}; class {item.name} will do {how} ({words.share(count.share)} %)."
-    for state, how in (("as_built", "as built"), ("recalibrated", "once recalibrated")):
+                return f"{said}; class {item.name}, {how}, is enough ({words.share(count.share)} %)."
+    for state, how in (("as_built", "as built"), ("recalibrated", "recalibrated")):
         for item in yields:
             count = getattr(item, state)
             if count.is_enough is None:
                 low, high = count.interval
                 return (
-                    f"{said}; not enough to tell whether class {item.name} will do {how}: "
+                    f"{said}; not enough to tell whether class {item.name}, {how}, is enough: "
                     f"{100 * low:.1f} to {100 * high:.1f} % of its rigs keep it, 95 % are asked for."
                 )
-    return f"{said}; no class will do, which takes 95 %."
+    return f"{said}; no class is enough, which takes a yield of 95 %."
