@@ -26,7 +26,16 @@ from typing import Literal, TypeAlias
 
 
 class RigsimError(Exception):
-    """Base of all errors a user can cause; the command line prints it as one line."""
+    """Base of all errors a user can cause; the command line prints it as one line.
+
+    Example:
+        >>> import rigsim
+        >>> try:
+        ...     rigsim.StereoRig.rectified(rigsim.Intrinsics.from_focal(640, 480, 500.0), -0.1)
+        ... except rigsim.RigsimError as error:
+        ...     print(error)
+        baseline -100 mm: must be > 0
+    """
 
 
 class InvalidRig(RigsimError, ValueError):

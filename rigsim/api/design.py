@@ -153,6 +153,7 @@ def design(options: DesignOptions) -> Designed:
         seed: Seed of every random number.
         renderer: auto, egl, osmesa or rays.
         command: What the page names as the command that made it.
+        ready: Is called once all that can be refused without drawing has been checked.
 
     Raises:
         InvalidRange: A value is out of bounds, or two say the same thing.
@@ -163,13 +164,13 @@ def design(options: DesignOptions) -> Designed:
     Example:
         >>> import rigsim
         >>> found = rigsim.design(
-        ...     range_m=(0.5, 3), depth_error_mm=10, at_m=3, resolutions_px=(1280, 960), proof=False
+        ...     range_m=(1, 3), depth_error_mm=20, resolutions_px=(1280, 960), lenses_deg=60, proof=False
         ... )
         >>> found.verdict
         'not tried'
         >>> rig = found.rig
         >>> error_m = 3**2 / (rig.left.fx * rig.baseline_m) * 2**0.5 * 0.25  # Z^2 / (f B) of disparity
-        >>> error_m < 0.010
+        >>> error_m < 0.020
         True
     """
     specification = specified(options)
@@ -192,6 +193,8 @@ def design(options: DesignOptions) -> Designed:
     remarks: tuple[Remark, ...] = ()
     if not measures_noise:  # what cannot be is said before anything is drawn
         found = solve(specification, cameras, options.prefer)
+    if options.ready is not None:
+        options.ready()
     if options.proof:
         scene = str(given.path(options.scene, "scene"))
         place = Place(scene, options.seed, options.renderer, options.measure)

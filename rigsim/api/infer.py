@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
@@ -165,7 +166,7 @@ def infer(options: InferOptions) -> Inferred:
 def _claimed(claims: Sequence[DepthError], rig: StereoRig) -> tuple[ErrorsByDistance, tuple[Remark, ...]]:
     """The depth errors of what is claimed, and what is odd about them."""
     depths_m: list[float] = []
-    stds_m: list[float] = []
+    stds_mm: list[float] = []
     said: list[Remark] = []
     for claim in claims:
         name = f"claim {claim.said}"
@@ -177,24 +178,27 @@ def _claimed(claims: Sequence[DepthError], rig: StereoRig) -> tuple[ErrorsByDist
             raise InvalidRange(f"{name}: {where} stands there twice; remove one")
         if claim.pct is not None and not 0 < claim.pct <= 100:
             raise InvalidRange(f"{name}: percent of the distance must be > 0 and <= 100")
-        std_m = claim.error_m(at_m)
+        # in mm, as claims have always been read: the last digit depends on it
+        std_mm = math.nan if claim.mm is None else claim.mm
+        if claim.pct is not None:
+            std_mm = claim.pct / 100 * (at_m * 1e3)
         if claim.bounds_mm is not None:
-            std_m, odd = _between(claim, name, at_m, rig)
+            std_mm, odd = _between(claim, name, at_m, rig)
             said += odd
         depths_m.append(at_m)
-        stds_m.append(std_m / P95 if claim.p95 else std_m)
-    return ErrorsByDistance(np.array(depths_m), np.array(stds_m)), tuple(said)
+        stds_mm.append(std_mm / P95 if claim.p95 else std_mm)
+    return ErrorsByDistance(np.array(depths_m), np.array(stds_mm) / 1e3), tuple(said)
 
 
 def _between(claim: DepthError, name: str, at_m: float, rig: StereoRig) -> tuple[float, list[Remark]]:
-    """The standard deviation, m, that two bounds say, and what is odd about them."""
+    """The standard deviation, mm, that two bounds say, and what is odd about them."""
     from rigsim.study.infer.remarks import bounds_remark
 
     near_mm, far_mm = given.reals(claim.bounds_mm, f"{name}, bounds_mm")
     if not near_mm / 1e3 < at_m < far_mm / 1e3:
         where = claim.words.rpartition("@")[2].strip() or f"{at_m:g} m"
         raise InvalidRange(f"{name}: {where} must lie between the two bounds")
-    gain = float(depth_gain(rig, np.array([at_m]))[0])
+    gain_mm = float(depth_gain(rig, np.array([at_m]))[0]) * 1e3
     odd = bounds_remark(rig, claim.said, near_mm / 1e3, at_m, far_mm / 1e3)
-    std_m = gain * disparity_of_bounds(rig, near_mm / 1e3, far_mm / 1e3)
-    return std_m, [] if odd is None else [odd]
+    std_mm = gain_mm * disparity_of_bounds(rig, near_mm / 1e3, far_mm / 1e3)
+    return std_mm, [] if odd is None else [odd]

@@ -113,10 +113,10 @@ def render(options: RenderOptions) -> Rendered:
 
     Example:
         >>> import rigsim
-        >>> rig = rigsim.StereoRig.rectified(rigsim.Intrinsics.from_focal(160, 120, 140.0), 0.06)
+        >>> rig = rigsim.StereoRig.rectified(rigsim.Intrinsics.from_focal(80, 60, 70.0), 0.06)
         >>> found = rigsim.render(rig, scene="bin", renderer="rays")
         >>> found.snapshot.disparity.shape
-        (120, 160)
+        (60, 80)
         >>> 0.5 < found.verdict < 1
         True
     """

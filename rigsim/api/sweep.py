@@ -102,7 +102,7 @@ def sweep(options: SweepOptions) -> Sweep:
         measure: What is measured in the pictures: auto, none, corners, patches or dense.
         sensor: A sensor, or the name of one, as ``IMX477``.
         blur_px: Standard deviation of the lens's point spread, px.
-        image_noises_grey: White noise of the pictures, grey levels of 255; 2 where nothing else is said.
+        image_noise_grey: White noise of the pictures, grey levels of 255; 2 where nothing else is said.
         full_well_e: Electrons that make full scale.
         read_noise_e: Read noise, electrons.
         triangulators: Names, ``package.module:function``, which runs in a process of its own, or functions.
@@ -128,7 +128,7 @@ def sweep(options: SweepOptions) -> Sweep:
         >>> import rigsim
         >>> found = rigsim.sweep(
         ...     rig="oak-d", baselines_mm=[50, 100], resolutions_px=(160, 100), points=100, trials=10,
-        ...     renderer="rays",
+        ...     renderer="rays", supersample=1,
         ... )
         >>> found.table["baseline_mm"].tolist()
         [50.0, 100.0]

@@ -225,7 +225,7 @@ def _held(options: ToleranceOptions, rig: StereoRig) -> Tolerances:
         raise InvalidRange(f"class {name!r}: choose one of {', '.join(CLASSES)}, {NO_CLASS}")
     base = Tolerances() if name == NO_CLASS else CLASSES[name].tolerances(rig)
     found = {key: given.real(value, key) for key, value in dict(options.tolerances or {}).items()}
-    bounds = {str(key) for key in given.several(options.bounds)}
+    bounds = {options.bounds} if isinstance(options.bounds, str) else {str(key) for key in options.bounds}
     for key in (*found, *bounds):
         if key not in QUANTITIES:
             raise InvalidRange(f"tolerance {key!r}: choose one of {', '.join(QUANTITIES)}")

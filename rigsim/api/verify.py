@@ -19,7 +19,6 @@ from rigsim.rig.remark import Remark
 if TYPE_CHECKING:
     from rigsim.interop.documents.base import Written
     from rigsim.present.kit.types import Figure, Table
-    from rigsim.study.verify.case import Case
     from rigsim.study.verify.golden import GoldenReport
     from rigsim.study.verify.result import CaseResult, VerifyResult
     from rigsim.study.verify.session import Gathered, Selection
@@ -208,9 +207,12 @@ def verify(options: VerifyOptions) -> Verified:
     )
 
 
-def verify_cases(options: VerifyOptions) -> tuple[Case, ...]:
-    """The cases that `verify` holds triangulators against; nothing is run."""
-    return _gathered(_selection(options), options.progress).cases
+def print_cases(options: VerifyOptions) -> None:
+    """Print the cases that `verify` tests triangulators on; nothing is run."""
+    from rigsim.present.verify.console import print_cases
+
+    with opened(named(options.triangulators), (), options.timeout_s, options.in_process):
+        print_cases(_gathered(_selection(options), options.progress).cases)
 
 
 def _selection(options: VerifyOptions) -> Selection:

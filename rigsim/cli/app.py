@@ -17,7 +17,7 @@ from rigsim.cli.compare import compare
 from rigsim.cli.design.design import design
 from rigsim.cli.doctor import doctor
 from rigsim.cli.infer import infer
-from rigsim.cli.kit import ends, terminal
+from rigsim.cli.kit import answer, ends, terminal
 from rigsim.cli.measure import measure
 from rigsim.cli.presets import presets
 from rigsim.cli.render import render
@@ -81,7 +81,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
     0 fine, 1 error, 2 usage, 3 outside tolerance, 130 interrupted. An error is one line on stderr.
     """
-    words = list(sys.argv[1:] if arguments is None else arguments)
+    words = list(answer.typed() if arguments is None else arguments)
     terminal.prepare()
     try:
         _check_words(words)

@@ -4,109 +4,83 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from rigsim.cli.kit import quantity
-from rigsim.cli.kit.answer import print_document, print_remarks
-from rigsim.cli.kit.options import Json, single_rig, takes_rig
+from rigsim.cli.kit.answer import claim as claim_folder
+from rigsim.cli.kit.answer import deliver
+from rigsim.cli.kit.options import Json, single_rig, takes, takes_rig
 from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
 from rigsim.errors import InvalidRange
 
 if TYPE_CHECKING:
-    from rigsim.rig.remark import Remark
+    from rigsim.api.kit.asked import DepthError
     from rigsim.rig.stereo import StereoRig
-    from rigsim.study.infer.run import ErrorsByDistance
 
 _CLAIM = "write error@distance, as in 1%@4m, 10mm@3m or 8.1:13.1m@10m"
 
 
-@takes_rig
-def infer(
-    options: RigOptions,
+@dataclass(frozen=True, slots=True)
+class InferWords:
+    """The options of `rigsim infer`, as typed."""
+
     claim: Annotated[
         str | None,
         typer.Option(
             metavar="ERROR@Z,...",
             help="Depth errors claimed: 1%@4m,2%@7m; 10mm@3m; or nearest:farthest, 8.1:13.1m@10m.",
         ),
-    ] = None,
+    ] = None
     data: Annotated[
         Path | None,
         typer.Option(
             metavar="CSV", help="Wall test: distance_mm, depth_std_mm and optionally depth_bias_mm, n."
         ),
-    ] = None,
+    ] = None
     p95: Annotated[
         bool, typer.Option("--p95", help="The errors claimed are 95th percentiles, not one std.")
-    ] = False,
+    ] = False
     to: Annotated[
         str | None, typer.Option(metavar="RIG", help="Carry the noise over to a rig.toml or preset.")
-    ] = None,
+    ] = None
     at: Annotated[
         str | None,
         typer.Option(metavar="Z,...", help="Distances for --to: 1m,2m,4m. By default those given."),
-    ] = None,
-    out: Annotated[Path | None, typer.Option(help="Folder for infer.json and infer.png.")] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
-    as_json: Json = False,
-) -> None:
+    ] = None
+    out: Annotated[Path | None, typer.Option(help="Folder for infer.json and infer.png.")] = None
+    force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False
+    as_json: Json = False
+
+
+@takes_rig
+@takes(InferWords)
+def infer(options: RigOptions, words: InferWords) -> None:
     """Infer the disparity noise that explains depth errors at known distances.
 
     An error counts as one standard deviation unless --p95 says otherwise.
     """
-    if (claim is None) == (data is None):
+    if (words.claim is None) == (words.data is None):
         raise InvalidRange("give either --claim or --data: what the depth errors are")
-    if p95 and claim is None:
+    if words.p95 and words.claim is None:
         raise InvalidRange("--p95 is about --claim: --data holds standard deviations")
-    if at is not None and to is None:
+    if words.at is not None and words.to is None:
         raise InvalidRange("--at is about another rig: name it by --to")
-    from rigsim.interop.files import folder
-
-    if out is not None:
-        folder.check_output(out, force)
+    claim_folder(words.out, words.force)
     rig = single_rig(options, None)
-    errors, said = _claimed(claim, rig, p95) if claim is not None else (_measured(data), [])
-    other = None if to is None else _other_rig(to)
+    errors = [] if words.claim is None else [_claimed(part, words.p95) for part in words.claim.split(",")]
+    other = None if words.to is None else _other_rig(words.to)
+    at_m = None
+    if words.at is not None:
+        at_m = [mm / 1e3 for mm in quantity.values(words.at, quantity.DEPTH)]
 
-    import numpy as np
+    from rigsim.api.infer import infer as run
 
-    from rigsim.study.infer import run as study
-
-    inference = study.infer_disparity_noise(rig, errors)
-    carried = None
-    if other is not None:
-        depths_mm = quantity.values(at, quantity.DEPTH) if at is not None else None
-        depths_m = errors.depths_m if depths_mm is None else np.array(depths_mm) / 1e3
-        carried = study.transfer(inference, other, depths_m)
-    from rigsim.interop.documents.infer import inference_document
-    from rigsim.present.infer.words import sentence
-    from rigsim.study.infer.remarks import remarks
-
-    said += remarks(inference, units_written=claim is not None)
-    document = inference_document(inference, sentence(inference), carried, said)
-    if out is not None:
-        from rigsim.interop.files.tables import json_bytes
-        from rigsim.present.infer.figure import inference_png
-
-        files = {"infer.json": json_bytes(document), "infer.png": inference_png(inference, carried)}
-        folder.write_folder(out, files, force)
-    print_remarks(said)
-    if as_json:
-        print_document(document)
-    else:
-        from rigsim.present.infer.console import print_inference
-
-        print_inference(inference, carried, out)
-
-
-def _measured(path: Path | None) -> ErrorsByDistance:
-    from rigsim.interop.files.depth_errors import read_depth_errors
-
-    assert path is not None
-    return read_depth_errors(path)
+    result = run(rig, errors=errors, data=words.data, to=other, to_at_m=at_m)
+    deliver(result, words.out, words.force, words.as_json)
 
 
 def _other_rig(word: str) -> StereoRig:
@@ -116,43 +90,25 @@ def _other_rig(word: str) -> StereoRig:
     return RigOptions(preset=word).base(DEFAULT_PRESET)
 
 
-def _claimed(text: str, rig: StereoRig, p95: bool) -> tuple[ErrorsByDistance, list[Remark]]:
-    """The depth errors of ``1%@4m,10mm@3m``, and what is odd about them.
+def _claimed(part: str, p95: bool) -> DepthError:
+    """The depth error of ``1%@4m``, ``10mm@3m`` or ``8.1:13.1m@10m``.
 
     Raises:
-        InvalidRange: a claim cannot be read, has no unit, is out of bounds, or stands there twice.
+        InvalidRange: it cannot be read, has no unit, or is out of bounds.
     """
-    import numpy as np
+    from rigsim.api.kit.asked import DepthError
 
-    from rigsim.study.infer.remarks import bounds_remark
-    from rigsim.study.infer.run import P95, ErrorsByDistance, depth_gain, disparity_of_bounds
-
-    said_of: list[Remark] = []
-    depths: list[float] = []
-    stds: list[float] = []
-    for part in text.split(","):
-        said, sign, where = (word.strip() for word in part.partition("@"))
-        if not sign or not said or not where:
-            raise InvalidRange(f"claim {part.strip() or 'empty'}: {_CLAIM}")
-        depth_mm = _length(where, "distance", part)
-        if depth_mm in depths:
-            raise InvalidRange(f"claim {part.strip()}: {where} stands there twice; remove one")
-        if said.endswith("%"):
-            std_mm = _percent(said, part) / 100 * depth_mm
-        elif ":" in said:
-            near_mm, far_mm = quantity.span(said, quantity.DEPTH)
-            _length(said.rpartition(":")[2], "depth", part)
-            if not near_mm < depth_mm < far_mm:
-                raise InvalidRange(f"claim {part.strip()}: {where} must lie between the two bounds")
-            gain = float(depth_gain(rig, np.array([depth_mm / 1e3]))[0]) * 1e3
-            std_mm = gain * disparity_of_bounds(rig, near_mm / 1e3, far_mm / 1e3)
-            odd = bounds_remark(rig, part.strip(), near_mm / 1e3, depth_mm / 1e3, far_mm / 1e3)
-            said_of += [odd] if odd is not None else []
-        else:
-            std_mm = _length(said, "depth error", part)
-        depths.append(depth_mm)
-        stds.append(std_mm / P95 if p95 else std_mm)
-    return ErrorsByDistance(np.array(depths) / 1e3, np.array(stds) / 1e3), said_of
+    said, sign, where = (word.strip() for word in part.partition("@"))
+    if not sign or not said or not where:
+        raise InvalidRange(f"claim {part.strip() or 'empty'}: {_CLAIM}")
+    at_m = _length(where, "distance", part) / 1e3
+    if said.endswith("%"):
+        return DepthError(at_m, pct=_percent(said, part), p95=p95, words=part.strip())
+    if ":" in said:
+        bounds_mm = quantity.span(said, quantity.DEPTH)
+        _length(said.rpartition(":")[2], "depth", part)
+        return DepthError(at_m, bounds_mm=bounds_mm, p95=p95, words=part.strip())
+    return DepthError(at_m, _length(said, "depth error", part), p95=p95, words=part.strip())
 
 
 def _percent(said: str, part: str) -> float:

@@ -3,132 +3,115 @@
 from __future__ import annotations
 
 import re
-import shlex
-import sys
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from rigsim.cli.kit import quantity
-from rigsim.cli.kit.answer import print_document, quiet
-from rigsim.cli.kit.options import Json, single_rig, takes_rig
+from rigsim.cli.kit.answer import claim, command, deliver, quiet
+from rigsim.cli.kit.options import Json, single_rig, takes, takes_rig
 from rigsim.cli.kit.rigs import RigOptions
 from rigsim.errors import InvalidRange
+
+if TYPE_CHECKING:
+    from rigsim.rig.arrays import AnyImage
+    from rigsim.rig.stereo import StereoRig
 
 _SQUARE = replace(quantity.BASELINE, name="square")
 
 
-@takes_rig
-def measure(
-    options: RigOptions,
-    left: Annotated[Path, typer.Argument(metavar="LEFT", help="Picture of the left camera.")],
-    right: Annotated[Path, typer.Argument(metavar="RIGHT", help="Picture of the right camera.")],
+@dataclass(frozen=True, slots=True)
+class MeasureWords:
+    """The arguments and options of `rigsim measure`, as typed."""
+
+    left: Annotated[Path, typer.Argument(metavar="LEFT", help="Picture of the left camera.")]
+    right: Annotated[Path, typer.Argument(metavar="RIGHT", help="Picture of the right camera.")]
     board: Annotated[
         str | None,
         typer.Option(metavar="ROWSxCOLS", help="Measure checker boards as well: inner corners, 6x9."),
-    ] = None,
+    ] = None
     square: Annotated[
         str | None,
         typer.Option(
             metavar="LENGTH", help="Known side of the boards' squares: 25mm. Tells if depths are right."
         ),
-    ] = None,
-    dense: Annotated[bool, typer.Option(help="Find a disparity for every pixel.")] = True,
+    ] = None
+    dense: Annotated[bool, typer.Option(help="Find a disparity for every pixel.")] = True
     matcher: Annotated[
         str,
         typer.Option(
             help="Who finds it: sgbm; package.module:function(left, right, rig); or a command with {left}, "
             "{right} and {out} in it."
         ),
-    ] = "sgbm",
-    timeout: Annotated[float, typer.Option(metavar="S", help="Longest time for a matcher, s.")] = 120.0,
+    ] = "sgbm"
+    timeout: Annotated[float, typer.Option(metavar="S", help="Longest time for a matcher, s.")] = 120.0
     disparity: Annotated[
         str | None, typer.Option(metavar="PX:PX", help="Disparities to search: 0:128, px.")
-    ] = None,
+    ] = None
     truth: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="True disparity of the left pixels: .pfm, .npy or .png."),
-    ] = None,
+    ] = None
     truth_scale: Annotated[
         float | None,
         typer.Option(metavar="LEVELS", help="Grey levels of a truth PNG that are one px.  [default: 256]"),
-    ] = None,
+    ] = None
     target: Annotated[
         str | None,
         typer.Option(metavar="U,V,WxH", help="Pixels of a flat target, to judge by itself: 400,300,200x100."),
-    ] = None,
-    out: Annotated[Path | None, typer.Option(help="Folder of pictures, points and tables.")] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
-    as_json: Json = False,
-) -> None:
+    ] = None
+    out: Annotated[Path | None, typer.Option(help="Folder of pictures, points and tables.")] = None
+    force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False
+    as_json: Json = False
+
+
+@takes_rig
+@takes(MeasureWords)
+def measure(options: RigOptions, words: MeasureWords) -> None:
     """Measure a pair of pictures: matches, depths, how accurate they are, and whether the rig fits.
 
     Give the rig with --rig: a rig.toml, a Middlebury calib.txt, or another calibration
     (docs/reference/export.md).
     """
-    rows_cols = None if board is None else _board(board)
-    if square is not None and board is None:
-        raise InvalidRange(f"square {square}: is the side of a board's squares: give --board as well")
-    side_m = None if square is None else quantity.value(square, _SQUARE) / 1e3
-    pixels = None if target is None else _target(target)
-    searched = None if disparity is None else quantity.span(disparity, quantity.DISPARITY)
+    board = None if words.board is None else _board(words.board)
+    if words.square is not None and board is None:
+        raise InvalidRange(f"square {words.square}: is the side of a board's squares: give --board as well")
+    square_mm = None if words.square is None else quantity.value(words.square, _SQUARE)
+    target = None if words.target is None else _target(words.target)
+    searched = None if words.disparity is None else quantity.span(words.disparity, quantity.DISPARITY)
+    claim(words.out, words.force)
 
-    from rigsim.interop.files import folder
+    from rigsim.api.measure import measure as run
 
-    if out is not None:
-        folder.check_output(out, force)
+    with quiet(words.as_json):
+        result = run(
+            words.left,
+            words.right,
+            lambda left: _rig(options, left),
+            board=board,
+            square_mm=square_mm,
+            matcher=words.matcher if words.dense else None,
+            timeout_s=words.timeout,
+            disparities_px=searched or options.disparity_range(),
+            truth=words.truth,
+            truth_scale=words.truth_scale,
+            target=target,
+            command=command(),
+        )
+    deliver(result, words.out, words.force, words.as_json)
 
-    from rigsim.interop.files.measure import document, pair_files, read_truth, sources
-    from rigsim.pixels.reading import read_image
 
-    image_left, image_right = read_image(left), read_image(right)
+def _rig(options: RigOptions, left: AnyImage) -> StereoRig:
+    """The rig asked for; its images are as large as the picture unless said."""
     if options == RigOptions():
         raise InvalidRange(
             "--rig is missing: give a rig.toml or another calibration, or --baseline and --focal"
         )
     if options.rig is None and options.preset is None and options.resolution is None:
-        options = replace(options, resolution=f"{image_left.shape[1]}x{image_left.shape[0]}")
-    rig = single_rig(options, None)
-    true = None if truth is None else read_truth(truth, truth_scale)
-
-    from rigsim.study.measure.run import Wanted, measure_pair, versions
-
-    paths = {"left": left, "right": right} | ({} if truth is None else {"truth": truth})
-    with quiet(as_json):
-        result = measure_pair(
-            image_left,
-            image_right,
-            rig,
-            Wanted(
-                matcher=matcher if dense else None,
-                board=rows_cols,
-                square_m=side_m,
-                target=pixels,
-                disparity_range=searched or options.disparity_range(),
-                timeout_s=timeout,
-            ),
-            truth=true,
-            provenance={"command": shlex.join(["rigsim", *sys.argv[1:]]), **sources(paths), **versions()},
-        )
-
-    from rigsim.present.measure.console import pair_pictures, print_pair
-    from rigsim.present.measure.words import sentence
-
-    written = None
-    if out is not None:
-        from rigsim.interop.documents.base import Written
-        from rigsim.interop.files.tables import json_bytes
-
-        files = {**pair_pictures(result), **pair_files(result)}
-        written = Written(folder=str(out), files=sorted([*files, "measure.json"]))
-        files["measure.json"] = json_bytes(document(result, sentence, written))
-        folder.write_folder(out, files, force)
-    if as_json:
-        print_document(document(result, sentence, written))
-    else:
-        print_pair(result, out)
+        options = replace(options, resolution=f"{left.shape[1]}x{left.shape[0]}")
+    return single_rig(options, None)
 
 
 def _board(text: str) -> tuple[int, int]:

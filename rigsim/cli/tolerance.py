@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
 from rigsim.cli.kit import quantity
-from rigsim.cli.kit.answer import print_document
-from rigsim.cli.kit.options import Json, takes_rig
+from rigsim.cli.kit.answer import claim, deliver
+from rigsim.cli.kit.options import Json, takes, takes_rig
 from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
 from rigsim.errors import InvalidRange
-
-if TYPE_CHECKING:
-    from rigsim.study.tolerance.sensitivities import BuildRequirement
 
 _ANGLES = {**quantity.HFOV.factors, "arcmin": Fraction(1, 60)}
 _LENGTHS = quantity.BASELINE.factors
@@ -59,9 +57,10 @@ _PERCENT = re.compile(r"\s*([0-9]*\.?[0-9]+)\s*%\s*")
 _UNIT = re.compile(r"[a-zA-Zµμ%]\s*$")
 
 
-@takes_rig
-def tolerance(
-    options: RigOptions,
+@dataclass(frozen=True, slots=True)
+class ToleranceWords:
+    """The options of `rigsim tolerance`, as typed."""
+
     depth_error: Annotated[
         str,
         typer.Option(
@@ -69,13 +68,13 @@ def tolerance(
             help="Largest root mean square depth error of one rig over the image and its noise: 10mm@3m, 1%;"
             " at the far end unless said.",
         ),
-    ] = "1%",
+    ] = "1%"
     depth_range: Annotated[
         str, typer.Option("--range", metavar="NEAR:FAR", help="Working range: 0.5:3m.")
-    ] = "1:5m",
+    ] = "1:5m"
     class_name: Annotated[
         str, typer.Option("--class", metavar="NAME", help="printed, machined, calibrated, or none.")
-    ] = "machined",
+    ] = "machined"
     tolerance: Annotated[
         list[str] | None,
         typer.Option(
@@ -85,27 +84,27 @@ def tolerance(
             " (px), k1-right, k1-left, k1-both, time (ms), temperature (K). One standard deviation, or a"
             " bound as +-VALUE. Repeatable.",
         ),
-    ] = None,
+    ] = None
     distribution: Annotated[
         str, typer.Option(help="uniform makes a bound, +-, of every tolerance, evenly filled.")
-    ] = "normal",
-    speed: Annotated[str, typer.Option(metavar="M/S", help="Object's speed, for a time offset.")] = "1",
+    ] = "normal"
+    speed: Annotated[str, typer.Option(metavar="M/S", help="Object's speed, for a time offset.")] = "1"
     expansion: Annotated[
         str, typer.Option(metavar="PPM", help="Expansion of the bar, ppm/K, for a temperature.")
-    ] = "23",
+    ] = "23"
     recalibrate: Annotated[
         bool, typer.Option(help="Recalibrate each rig on epipolar errors and one known length as well.")
-    ] = True,
+    ] = True
     features: Annotated[
         int,
         typer.Option(
             "--recalibration-features", metavar="N", help="Features that a recalibration sees in a picture."
         ),
-    ] = 60,
+    ] = 60
     pictures: Annotated[
         int,
         typer.Option("--recalibration-pictures", metavar="N", help="Pictures it averages each of them over."),
-    ] = 10,
+    ] = 10
     noise: Annotated[
         str,
         typer.Option(
@@ -113,89 +112,60 @@ def tolerance(
             help="Noise per pixel coordinate, standard deviation: when rigs measure, and in a calibration"
             " picture.",
         ),
-    ] = "0.25",
+    ] = "0.25"
     length_std: Annotated[
         str, typer.Option(metavar="LENGTH", help="Standard deviation of the known length.")
-    ] = "0.5mm",
-    rigs: Annotated[int, typer.Option(metavar="N", help="Rigs to build.")] = 10_000,
-    points: Annotated[int, typer.Option(metavar="N", help="Points each is judged by.")] = 500,
-    seed: Annotated[int, typer.Option(min=0, help="Of the random numbers.")] = 0,
+    ] = "0.5mm"
+    rigs: Annotated[int, typer.Option(metavar="N", help="Rigs to build.")] = 10_000
+    points: Annotated[int, typer.Option(metavar="N", help="Points each is judged by.")] = 500
+    seed: Annotated[int, typer.Option(min=0, help="Of the random numbers.")] = 0
     out: Annotated[
         Path | None, typer.Option(help="Folder for tolerance.csv, .json, .png and places.png.")
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
-    as_json: Json = False,
-) -> None:
+    ] = None
+    force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False
+    as_json: Json = False
+
+
+@takes_rig
+@takes(ToleranceWords)
+def tolerance(options: RigOptions, words: ToleranceWords) -> None:
     """Rank a rig's tolerances by what they do to the depth, and count the built rigs that are good.
 
     A rig is good when its own depth error, of its build and its pixel noise, meets the requirement.
     """
-    near_m, far_m = _range(depth_range)
-    required = _requirement(depth_error, far_m)
-    from rigsim.interop.files import folder
-
-    if out is not None:
-        folder.check_output(out, force)
+    near_m, far_m = _range(words.depth_range)
+    asked = _requirement(words.depth_error)
+    claim(words.out, words.force)
     rig = options.single(DEFAULT_PRESET)
+    values, bounds = _values(words.tolerance or [])
 
-    from rigsim.study.tolerance.run import Build, Recalibration, run_tolerance
-    from rigsim.study.tolerance.sensitivities import CLASSES, Tolerances, with_values
+    from rigsim.api.tolerance import tolerance as run
 
-    if class_name not in (*CLASSES, "none"):
-        raise InvalidRange(f"class {class_name!r}: choose one of {', '.join(CLASSES)}, none")
-    base = Tolerances() if class_name == "none" else CLASSES[class_name].tolerances(rig)
-    given = with_values(
-        base,
-        {
-            **_values(tolerance or [], base.bounds),
-            "distribution": distribution,
-            "speed_m_s": quantity.value(speed, _SPEED),
-            "expansion_per_k": quantity.value(expansion, _EXPANSION) * 1e-6,
-        },
+    result = run(
+        rig,
+        **asked,
+        range_m=(near_m, far_m),
+        tolerance_class=words.class_name,
+        tolerances=values,
+        bounds=bounds,
+        distribution=words.distribution,
+        speed_m_s=quantity.value(words.speed, _SPEED),
+        expansion_ppm=quantity.value(words.expansion, _EXPANSION),
+        recalibrate=words.recalibrate,
+        recalibration_features=words.features,
+        recalibration_pictures=words.pictures,
+        noise_px=quantity.value(words.noise, quantity.NOISE),
+        length_std_mm=quantity.value(words.length_std, _LENGTH),
+        rigs=words.rigs,
+        points=words.points,
+        seed=words.seed,
     )
-    compensator = Recalibration(
-        features,
-        pictures,
-        quantity.value(noise, quantity.NOISE),
-        quantity.value(length_std, _LENGTH),
-    )
-    result = run_tolerance(
-        Build(rig, given, compensator.noise_px, compensator if recalibrate else None),
-        required,
-        (near_m, far_m),
-        n_rigs=rigs,
-        n_points=points,
-        seed=seed,
-    )
-
-    from rigsim.interop.documents.tolerance import tolerance_document
-    from rigsim.present.tolerance import words
-    from rigsim.study.tolerance.table import tolerance_table
-
-    document = tolerance_document(result, words)
-    if out is not None:
-        from rigsim.interop.files.tables import csv_bytes, json_bytes
-        from rigsim.present.tolerance.console import tolerance_png
-        from rigsim.present.tolerance.places_figure import places_png
-
-        files = {
-            "tolerance.csv": csv_bytes(tolerance_table(result)),
-            "tolerance.json": json_bytes(document),
-            "tolerance.png": tolerance_png(result),
-            "places.png": places_png(result),
-        }
-        folder.write_folder(out, files, force)
-    if as_json:
-        print_document(document)
-    else:
-        from rigsim.present.tolerance.console import print_tolerance
-
-        print_tolerance(result, out)
+    deliver(result, words.out, words.force, words.as_json)
 
 
-def _values(words: list[str], base: frozenset[str]) -> dict[str, Any]:
-    """The tolerances given, and which of all are bounds; `base` names the class's."""
-    found: dict[str, Any] = {}
+def _values(words: list[str]) -> tuple[dict[str, float], set[str]]:
+    """The tolerances given, and which of them are bounds."""
+    found: dict[str, float] = {}
     bounds: set[str] = set()
     for word in words:
         name, equals, text = word.partition("=")
@@ -210,7 +180,7 @@ def _values(words: list[str], base: frozenset[str]) -> dict[str, Any]:
         if plain != text.strip():
             bounds.add(key)
         found[key] = quantity.value(plain, kind)
-    return {**found, "bounds": (base - set(found)) | bounds}
+    return found, bounds
 
 
 def _range(text: str) -> tuple[float, float]:
@@ -220,17 +190,16 @@ def _range(text: str) -> tuple[float, float]:
     return near_mm / 1e3, far_mm / 1e3
 
 
-def _requirement(text: str, far_m: float) -> BuildRequirement:
-    from rigsim.study.tolerance.sensitivities import BuildRequirement
-
+def _requirement(text: str) -> dict[str, float]:
+    """``10mm@3m`` or ``1%``, as `rigsim.tolerance` takes it."""
     what, at, where = text.partition("@")
     for part in (what, where) if at else (what,):
         if not _UNIT.search(part):
             raise InvalidRange(f"depth error {text or 'empty'}: of what unit? Write it, as in 10mm@3m or 1%")
-    depth_m = quantity.value(where.strip(), quantity.DEPTH) / 1e3 if at else far_m
+    there = {"at_m": quantity.value(where.strip(), quantity.DEPTH) / 1e3} if at else {}
     share = _PERCENT.fullmatch(what)
     if share is None:
-        return BuildRequirement(quantity.value(what.strip(), _DEPTH_ERROR) / 1e3, depth_m)
+        return {"depth_error_mm": quantity.value(what.strip(), _DEPTH_ERROR), **there}
     if not float(share[1]) < 100:
         raise InvalidRange(f"depth error {what.strip()}: must be < 100 %")
-    return BuildRequirement(float(share[1]) / 100 * depth_m, depth_m)
+    return {"depth_error_pct": float(share[1]), **there}

@@ -20,7 +20,14 @@ from rigsim.rig.lens.distortion import BrownConrady
 
 @dataclass(frozen=True, slots=True)
 class Intrinsics:
-    """Pinhole camera ``u = fx x/z + cx``, ``v = fy y/z + cy`` with optional lens distortion."""
+    """Pinhole camera ``u = fx x/z + cx``, ``v = fy y/z + cy`` with optional lens distortion.
+
+    Example:
+        >>> import rigsim
+        >>> lens = rigsim.Intrinsics.from_hfov(1280, 720, 90.0)
+        >>> lens.cx, round(lens.fx, 3)  # half the width over tan(45 deg)
+        (639.5, 640.0)
+    """
 
     width: int
     """Image width, px."""

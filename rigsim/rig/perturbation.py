@@ -19,6 +19,13 @@ class Perturbation:
     The rotations turn the right camera's body about its own axes (x right, y down, z forward), by the
     right-hand rule: positive yaw looks further right, positive pitch looks further up, positive
     roll turns the camera clockwise as it looks.
+
+    Example:
+        >>> import math, rigsim
+        >>> rig = rigsim.preset("bin").rig
+        >>> built = rigsim.Perturbation(yaw_rad=math.radians(1.0)).apply(rig)
+        >>> round(built.vergence_deg, 6)  # the right camera looks further right: apart
+        -1.0
     """
 
     yaw_rad: float = 0.0

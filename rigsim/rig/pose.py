@@ -15,7 +15,16 @@ _ORTHONORMAL_TOLERANCE = 1e-6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pose:
-    """Maps a to b as ``x_b = R x_a + t``; hold it in a name ``b_from_a``."""
+    """Maps a to b as ``x_b = R x_a + t``; hold it in a name ``b_from_a``.
+
+    Example:
+        >>> import rigsim
+        >>> right_from_left = rigsim.Pose(t=[-0.1, 0, 0])  # the right camera is 100 mm to the right
+        >>> right_from_left.apply([[0, 0, 2.0]]).tolist()
+        [[-0.1, 0.0, 2.0]]
+        >>> right_from_left.inverse.t.tolist()[0]
+        0.1
+    """
 
     R: Array = field(default_factory=lambda: np.eye(3))
     """Rotation, (3, 3)."""

@@ -82,7 +82,13 @@ PRESETS: dict[str, Preset] = {
         *(_bought(camera) for camera in CAMERAS),
     )
 }
-"""Every preset by its name."""
+"""Every preset by its name.
+
+Example:
+    >>> import rigsim
+    >>> rigsim.PRESETS["bin"].rig.baseline_m
+    0.06
+"""
 
 
 def preset(name: str) -> Preset:
@@ -90,6 +96,11 @@ def preset(name: str) -> Preset:
 
     Raises:
         InvalidScene: no preset has that name; the message lists those that exist.
+
+    Example:
+        >>> import rigsim
+        >>> rigsim.preset("OAK-D").rig.baseline_m
+        0.075
     """
     given.a(str, name, "the name of a preset, as text", InvalidScene)
     plain = re.sub(r"[\s_]+", "-", name.strip().lower())

@@ -24,6 +24,13 @@ class StereoRig:
 
     Raises:
         InvalidRig: the two camera centres coincide.
+
+    Example:
+        >>> import rigsim
+        >>> rig = rigsim.StereoRig.rectified(rigsim.Intrinsics.from_focal(1280, 960, 1100.0), 0.06)
+        >>> uv_left, uv_right = rig.project([[0, 0, 2.0]])
+        >>> float(uv_left[0, 0] - uv_right[0, 0])  # f B / Z
+        33.0
     """
 
     left: Intrinsics

@@ -50,6 +50,12 @@ class Simulator:
     """A scene with a mounted rig and something to draw it; use it as a context manager.
 
     MuJoCo is imported when the first one is made, with the GL library that was found to work.
+
+    Example:
+        >>> import rigsim
+        >>> with rigsim.Simulator("bin", renderer="rays") as simulator:
+        ...     simulator.scene.name, simulator.backend
+        ('bin', 'rays')
     """
 
     def __init__(self, scene: str | Path, mount: str | None = None, renderer: str = "auto") -> None:

@@ -25,6 +25,12 @@ def depth_sensitivity(rig: StereoRig, points_left: npt.ArrayLike) -> dict[str, A
     First order and analytic for any rig, `optimal` triangulating with the assumed `rig`: the pixels
     move by their derivative in the perturbation, the depth follows through ``(J^T J)^-1 J^T``.
     NaN behind a camera.
+
+    Example:
+        >>> import rigsim
+        >>> table = rigsim.depth_sensitivity(rigsim.preset("bin").rig, [[0, 0, 2.0]])
+        >>> round(float(table["baseline_m"][0]), 3)  # too long a baseline: Z / B too short, m per m
+        -33.333
     """
     given.a(StereoRig, rig, "a StereoRig: the rig", InvalidRig)
     points = given.points(points_left)

@@ -41,6 +41,13 @@ def triangulate(
     Raises:
         TriangulatorError: pixels that are no (N, 2) numbers, an unknown method, a method that does not
             fit the rig, or a callable that raises or returns the wrong thing.
+
+    Example:
+        >>> import rigsim
+        >>> rig = rigsim.preset("bin").rig
+        >>> uv_left, uv_right = rig.project([[0.1, -0.2, 2.0]])
+        >>> rigsim.triangulate(rig, uv_left, uv_right, "dlt").round(9).tolist()
+        [[0.1, -0.2, 2.0]]
     """
     given.a(StereoRig, rig, "a StereoRig: the rig", TriangulatorError)
     left, right = _pixels(uv_left, uv_right)

@@ -143,7 +143,7 @@ def test_tolerance_by_hand() -> None:
         OAK_D,
         tolerance_class="none",
         tolerances={"baseline_mm": 0.75},
-        bounds=["baseline_mm"],
+        bounds={"baseline_mm"},
         rigs=10,
         points=60,
     )

@@ -9,8 +9,9 @@ from typing import Any
 
 import pytest
 
+from rigsim.api.kit.sensors import SensorOptions, sensor_labels
 from rigsim.cli.app import run
-from rigsim.cli.kit.sensors import sensor_from, sensor_labels, sensors_from
+from rigsim.cli.kit.sensors import sensor_words
 from rigsim.errors import InvalidRange, InvalidRig, RigsimError
 from rigsim.interop.formats.rig_toml import parse_rig, parse_sensor
 from rigsim.rig.catalogue.sensors import SENSORS, SensorPreset
@@ -18,6 +19,14 @@ from rigsim.rig.sensor import Sensor
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "reference" / "sensors.md").read_text(encoding="utf-8")
 RIG = "baseline_mm = 120\nwidth_px = 1280\nheight_px = 720\nfocal_px = 900\n"
+
+
+def sensors_from(name: str | None = None, rig: Path | None = None, **words: Any) -> tuple[Sensor, ...]:
+    return SensorOptions(**sensor_words(name, rig, **words)).all()
+
+
+def sensor_from(name: str | None = None, rig: Path | None = None, **words: Any) -> Sensor:
+    return SensorOptions(**sensor_words(name, rig, **words)).one()
 
 
 @pytest.fixture

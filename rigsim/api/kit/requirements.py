@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 
 from rigsim.api.kit.asked import DepthError, depth_errors
@@ -55,6 +55,7 @@ class DesignOptions:
     seed: int = 0
     renderer: str = "auto"
     command: str = ""
+    ready: Callable[[], object] | None = None
 
 
 def specified(options: DesignOptions) -> Specification:

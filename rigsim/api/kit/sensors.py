@@ -27,7 +27,7 @@ class SensorOptions:
     """A preset's name in any case, or a sensor; stands in for the rig file's."""
     blur_px: float | None = None
     """Standard deviation of the lens's point spread, px."""
-    image_noises_grey: tuple[float, ...] = ()
+    image_noise_grey: tuple[float, ...] = ()
     """White noise of the pictures, grey levels of 255."""
     full_well_e: float | None = None
     """Electrons that make full scale."""
@@ -65,7 +65,7 @@ class SensorOptions:
         else:
             base = own or Sensor()
         sensor = replace(base, **changes)
-        return tuple(replace(sensor, grey_noise=level) for level in self.image_noises_grey) or (sensor,)
+        return tuple(replace(sensor, grey_noise=level) for level in self.image_noise_grey) or (sensor,)
 
     def one(self, own: Sensor | None = None) -> Sensor:
         """The one sensor asked for.
@@ -75,7 +75,7 @@ class SensorOptions:
         """
         sensors = self.all(own)
         if len(sensors) != 1:
-            levels = ",".join(f"{level:g}" for level in self.image_noises_grey)
+            levels = ",".join(f"{level:g}" for level in self.image_noise_grey)
             raise InvalidRange(f"image noise {levels}: {len(sensors)} levels; this command takes one")
         return sensors[0]
 

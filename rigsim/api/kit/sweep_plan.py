@@ -49,7 +49,7 @@ class SweepOptions:
     measure: str = "auto"
     sensor: str | Sensor | None = None
     blur_px: float | None = None
-    image_noises_grey: Several = ()
+    image_noise_grey: Several = ()
     full_well_e: float | None = None
     read_noise_e: float | None = None
     triangulators: Triangulator | Sequence[Triangulator] = "optimal"
@@ -137,6 +137,7 @@ def swept(options: SweepOptions) -> object:
             raise InvalidRange("no rig to sweep: give one, as in rig='oak-d', or a RigGrid")
         return rig_grid(options.rig, str(options.scene), **_axes(options))
     both = [name for name in said if name == "rig" or name in _AXES]
+    both += sorted({axis.name for axis in registry.OF_RIG} & set(options.more or {}))
     if both:
         raise InvalidRange(f"rigs and {', '.join(both)} both given: they say the same thing, give one")
     return rigs
@@ -189,7 +190,7 @@ def _noises(options: SweepOptions) -> tuple[PixelNoise, ...]:
 
 def _sensors(options: SweepOptions, told: Told) -> dict[str, Sensor]:
     """The sensors asked for, by the names they have in tables."""
-    levels = given.reals(options.image_noises_grey, "image_noises_grey")
+    levels = given.reals(options.image_noise_grey, "image_noise_grey")
     if not levels and options.sensor is None and options.full_well_e is None and told.sensor is None:
         levels = (TYPICAL_NOISE_GREY,)
     asked = SensorOptions(options.sensor, options.blur_px, levels, options.full_well_e, options.read_noise_e)

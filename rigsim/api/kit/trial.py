@@ -32,7 +32,7 @@ def fittings(names: Sequence[str], optics: SensorOptions) -> Fittings:
 def has_own_noise(name: str, optics: SensorOptions) -> bool:
     """Whether the noise of the sensor's pictures is published or given."""
     if not name:
-        return bool(optics.image_noises_grey) or optics.full_well_e is not None
+        return bool(optics.image_noise_grey) or optics.full_well_e is not None
     preset = sensor_preset(name)
     return not (
         (preset.full_well_e is None and optics.full_well_e is None)
@@ -42,9 +42,9 @@ def has_own_noise(name: str, optics: SensorOptions) -> bool:
 
 def _fitting(name: str, optics: SensorOptions) -> Fitting:
     own = has_own_noise(name, optics)
-    levels = optics.image_noises_grey or (() if own else (TYPICAL_NOISE_GREY,))
+    levels = optics.image_noise_grey or (() if own else (TYPICAL_NOISE_GREY,))
     chosen = name if name and own else None
-    sensor = replace(optics, sensor=chosen, image_noises_grey=levels).one()
+    sensor = replace(optics, sensor=chosen, image_noise_grey=levels).one()
     label = sensor_labels((sensor,), chosen)[0]
     if name and not own:
         label = f"{name.upper()} ({label}: its own noise is not published)"

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import math
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rigsim.cli.kit import quantity
 from rigsim.errors import InvalidRange, InvalidRig
-from rigsim.rig import extent
 
 if TYPE_CHECKING:
-    from rigsim.rig.catalogue.sensors import SensorPreset
-    from rigsim.theory.inverse import Camera, Requirement
+    from rigsim.api.kit.asked import DepthError
 
 _PERCENT = re.compile(r"([0-9]*\.?[0-9]+)\s*%")
 _UNIT = quantity.UNIT
@@ -43,31 +40,26 @@ def metres(text: str, name: str) -> float:
     return quantity.value(text.strip(), kind) / 1e3
 
 
-def depth_error(text: str, far_m: float) -> Requirement:
+def depth_error(text: str, far_m: float) -> DepthError:
     """``10mm@3m``, ``1%`` or ``p95:20mm@3m``."""
-    from rigsim.theory.inverse import Requirement
-    from rigsim.theory.inverse_error import P95_OVER_STD
+    from rigsim.api.kit.asked import DepthError
 
     body, n_p95 = re.subn(r"\s*:?\bp95\b:?\s*", "", text.strip(), flags=re.IGNORECASE)
     what, at_m = at_distance(body, far_m, "depth error")
-    per_std = P95_OVER_STD if n_p95 else 1.0
     match = _PERCENT.fullmatch(what)
     if match:
-        share = float(match[1]) / 100
-        if share > 1:
+        if float(match[1]) > 100:
             raise InvalidRange(f"depth error {what}: must be <= 100 % of the distance")
-        return Requirement("depth_error", share * at_m, at_m, per_std)
+        return DepthError(at_m, pct=float(match[1]), p95=bool(n_p95))
     if not _UNIT.search(what):
         raise InvalidRange(f"depth error {text}: mm or %? Write the unit, as in 10mm@3m or 1%")
-    return Requirement("depth_error", metres(what, "depth error"), at_m, per_std)
+    return DepthError(at_m, metres(what, "depth error") * 1e3, p95=bool(n_p95))
 
 
-def overlap(text: str, near_m: float) -> Requirement:
-    """``80%`` at the near end, or ``80%@1m``."""
-    from rigsim.theory.inverse import Requirement
-
+def overlap(text: str, near_m: float) -> tuple[float, float]:
+    """The share and the distance, m, of ``80%``, at the near end, or ``80%@1m``."""
     what, at_m = at_distance(text, near_m, "min overlap")
-    return Requirement("overlap", _share(what), at_m)
+    return _share(what), at_m
 
 
 def build_share(text: str) -> float:
@@ -98,53 +90,19 @@ def pixels(text: str) -> float:
     return float(match[1]) * (1 if match[2].lower() == "px" else 1e6)
 
 
-def cameras(resolution: str | None, sensor: str | None, lens: str | None, fov: str | None) -> list[Camera]:
-    """Every camera to try: each image size or sensor with each lens."""
-    from rigsim.study.design.solve import HFOVS_DEG, LENSES_MM, RESOLUTIONS
-    from rigsim.theory.inverse import Camera
-
+def cameras(resolution: str | None, sensor: str | None, lens: str | None) -> dict[str, Any]:
+    """The cameras to try, as `rigsim.design` takes them."""
     if resolution is not None and sensor is not None:
         raise InvalidRange("--resolution and --sensor both given: a sensor has its own resolution, give one")
     unit, lenses = _lenses(lens)
-    extent.CAMERAS.check(max(1, len(lenses)))
-    if sensor is not None and unit in ("", "mm"):
-        return [
-            _behind(chip, mm * 1e3 / chip.pitch_um) for chip in _chips(sensor) for mm in (lenses or LENSES_MM)
-        ]
-    if unit == "mm":
+    if unit == "mm" and sensor is None:
         raise InvalidRange(f"lens {lens}: mm need a --sensor with its pixel pitch; or give px or deg")
-    wanted = (quantity.value(fov, quantity.HFOV),) if fov is not None else ()
-    angles = lenses or tuple(sorted({*HFOVS_DEG, *wanted}))
-
-    def focals_px(width_px: int) -> tuple[float, ...]:
-        if unit == "px":
-            return lenses
-        return tuple(width_px / 2 / math.tan(math.radians(deg) / 2) for deg in angles)
-
+    found: dict[str, Any] = {f"lenses_{unit}": lenses} if unit else {}
     if sensor is not None:
-        return [_behind(chip, focal) for chip in _chips(sensor) for focal in focals_px(chip.width)]
-    sizes = quantity.resolutions(resolution) if resolution is not None else RESOLUTIONS
-    return [Camera(w, h, focal) for w, h in sizes for focal in focals_px(w)]
-
-
-def _chips(names: str) -> list[SensorPreset]:
-    from rigsim.rig.catalogue.sensors import sensor_preset
-
-    chips: list[SensorPreset] = []
-    for name in names.split(","):
-        chip = sensor_preset(name.strip())
-        if chip in chips:
-            raise InvalidRange(f"sensor {names}: {chip.name} stands there twice; remove one")
-        chips.append(chip)
-    return chips
-
-
-def _behind(chip: SensorPreset, focal_px: float) -> Camera:
-    from rigsim.theory.inverse import Camera
-
-    mm = focal_px * chip.pitch_um / 1e3
-    name = f"{chip.name.upper()} with {mm:.3g} mm"
-    return Camera(chip.width, chip.height, focal_px, name, chip.name, mm, chip.pitch_um)
+        found["sensors"] = [name.strip() for name in sensor.split(",")]
+    if resolution is not None:
+        found["resolutions_px"] = quantity.resolutions(resolution)
+    return found
 
 
 def _lenses(text: str | None) -> tuple[str, tuple[float, ...]]:

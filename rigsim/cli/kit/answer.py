@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shlex
 import sys
 from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
@@ -13,6 +15,7 @@ import typer
 from rigsim.errors import OutputError
 
 if TYPE_CHECKING:
+    from rigsim.api.result import Result
     from rigsim.rig.remark import Remark
 
 
@@ -20,6 +23,34 @@ def print_remarks(remarks: Iterable[Remark]) -> None:
     """Print each remark once, a line each on standard error: ``rigsim: note: ...``."""
     for text in dict.fromkeys(" ".join(remark.text.split()) for remark in remarks):
         typer.echo(f"rigsim: note: {text}", err=True)
+
+
+def command() -> str:
+    """The command as it was typed."""
+    return shlex.join(["rigsim", *typed()])
+
+
+def typed() -> list[str]:
+    """The words after the program's name."""
+    return sys.argv[1:]
+
+
+def claim(out: Path | None, force: bool) -> None:
+    """Fail before the work rather than after it when the folder `out` cannot be written."""
+    if out is not None:
+        from rigsim.interop.files.folder import check_output
+
+        check_output(out, force)
+
+
+def deliver(result: Result, out: Path | None, force: bool, as_json: bool) -> None:
+    """Write, and print for people or as a document, what came of a command."""
+    print_remarks(result.remarks)
+    written = None if out is None else result.write(out, force)
+    if as_json:
+        print_document(result.document(written))
+    else:
+        result.print(out)
 
 
 def print_document(document: Mapping[str, Any]) -> None:

@@ -47,22 +47,25 @@ def takes_axes(command: Callable[Concatenate[Mapping[str, str], _P], _R]) -> Cal
     return run
 
 
-def values_of(typed: Mapping[str, str], axes: Sequence[Axis]) -> dict[str, tuple[float, ...]]:
-    """The values of those of `axes` that were typed, by name, as the axes take them.
+def numbers_of(typed: Mapping[str, str], axes: Sequence[Axis]) -> dict[str, tuple[float, ...]]:
+    """The numbers of those of `axes` that were typed, by name, in the unit of their kind.
 
     Raises:
         InvalidRange: a value cannot be read, or is out of bounds.
     """
     return {
-        axis.name: tuple(value * axis.scale for value in quantity.values(typed[axis.name], axis.kind))
+        axis.name: quantity.values(typed[axis.name], axis.kind)
         for axis in axes
         if axis.kind is not None and axis.name in typed
     }
 
 
-def asked(typed: Mapping[str, str]) -> tuple[str, ...]:
-    """Columns of the typed axes that say the same as another one in other words."""
-    return tuple(axis.columns[0].name for axis in TYPED if axis.instead_of and axis.name in typed)
+def values_of(typed: Mapping[str, str], axes: Sequence[Axis]) -> dict[str, tuple[float, ...]]:
+    """The same as the axes take them."""
+    return {
+        name: tuple(value * registry.BY_NAME[name].scale for value in values)
+        for name, values in numbers_of(typed, axes).items()
+    }
 
 
 def _meant(typed: Mapping[str, str | None]) -> dict[str, str]:

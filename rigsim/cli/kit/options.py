@@ -5,9 +5,9 @@ from __future__ import annotations
 import functools
 import inspect
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import MISSING, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, TypeVar, cast
+from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, TypeVar, cast, get_type_hints
 
 import typer
 
@@ -22,25 +22,30 @@ if TYPE_CHECKING:
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
+SensorWidth = Annotated[
+    str | None, typer.Option(metavar="LENGTH", help="Active sensor width: 6.4mm. Needs --resolution.")
+]
+PixelPitch = Annotated[str | None, typer.Option(metavar="LENGTH", help="Pixel pitch: 3.45um.")]
+RigFile = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE", help="Start from a rig.toml or another calibration; see docs/reference/export.md."
+    ),
+]
+PresetName = Annotated[
+    str | None, typer.Option(metavar="NAME", help="Start from a rig by name; see rigsim presets.")
+]
+
 _RIG_OPTIONS: dict[str, Any] = {
     **{
         axis.name: Annotated[str | None, typer.Option(metavar=axis.metavar, help=axis.help_one)]
         for axis in registry.ALL
         if axis.of_rig is not None
     },
-    "sensor_width": Annotated[
-        str | None, typer.Option(metavar="LENGTH", help="Active sensor width: 6.4mm. Needs --resolution.")
-    ],
-    "pixel_pitch": Annotated[str | None, typer.Option(metavar="LENGTH", help="Pixel pitch: 3.45um.")],
-    "rig": Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE", help="Start from a rig.toml or another calibration; see docs/reference/export.md."
-        ),
-    ],
-    "preset": Annotated[
-        str | None, typer.Option(metavar="NAME", help="Start from a rig by name; see rigsim presets.")
-    ],
+    "sensor_width": SensorWidth,
+    "pixel_pitch": PixelPitch,
+    "rig": RigFile,
+    "preset": PresetName,
 }
 
 Principal = Annotated[
@@ -57,6 +62,40 @@ Noise = Annotated[
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document, at full precision.")]
 Csv = Annotated[bool, typer.Option("--csv", help="Print CSV, at full precision.")]
 Markdown = Annotated[bool, typer.Option("--markdown", help="Print a Markdown table.")]
+
+
+def takes(words: type[Any]) -> Callable[[Callable[..., _R]], Callable[..., _R]]:
+    """Give a command the fields of `words`, a dataclass, as its options, in place of the parameter of that
+    class: the command gets one."""
+    names = [field.name for field in fields(words)]
+
+    def decorate(command: Callable[..., _R]) -> Callable[..., _R]:
+        own = list(inspect.signature(command, eval_str=True).parameters.values())
+        (place,) = (item for item in own if item.annotation is words)
+
+        @functools.wraps(command)
+        def run(*first: Any, **given: Any) -> _R:
+            given[place.name] = words(**{name: given.pop(name) for name in names})
+            return command(*first, **given)
+
+        hints = get_type_hints(words, include_extras=True)
+        options = [
+            inspect.Parameter(
+                field.name,
+                inspect.Parameter.KEYWORD_ONLY,
+                default=inspect.Parameter.empty if field.default is MISSING else field.default,
+                annotation=hints[field.name],
+            )
+            for field in fields(words)
+        ]
+        at = own.index(place)
+        rest = (item.replace(kind=inspect.Parameter.KEYWORD_ONLY) for item in own[at + 1 :])
+        parameters = [*own[:at], *options, *rest]
+        run.__annotations__ = {item.name: item.annotation for item in parameters}
+        vars(run)["__signature__"] = inspect.Signature(parameters)
+        return run
+
+    return decorate
 
 
 def takes_rig(command: Callable[Concatenate[RigOptions, _P], _R]) -> Callable[..., _R]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 
 
 @contextmanager
@@ -34,3 +34,21 @@ def shown(total: int, things: str) -> Iterator[Callable[[int], None] | None]:
             bar.update(task, completed=done, rate=f"{rate:.2g} {things}/s")
 
         yield advance
+
+
+@contextmanager
+def stages() -> Iterator[Callable[[str, int, int], None]]:
+    """A bar for each stage in turn, as `shown`: to be told what things, how many are done, of how many."""
+    now = ""
+    with ExitStack() as stack:
+        advance: Callable[[int], None] | None = None
+
+        def tell(things: str, done: int, total: int) -> None:
+            nonlocal now, advance
+            if things != now:
+                stack.close()
+                now, advance = things, stack.enter_context(shown(total, things))
+            if advance is not None:
+                advance(done)
+
+        yield tell

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rigsim.cli.kit import quantity
-from rigsim.cli.kit.axes import values_of
+from rigsim.cli.kit.axes import numbers_of, values_of
 from rigsim.errors import InvalidRange
 from rigsim.study.scene.axes import registry
 
@@ -115,6 +115,23 @@ class RigOptions:
             else (),
             more=values_of(dict(self.more), registry.OF_RIG),
         )
+
+    def axes(self, scene: str) -> dict[str, Any]:
+        """The same, as `rigsim.sweep` takes them: the rig, and the values of its own axes."""
+        grid = self.grid(scene)
+        baselines = () if self.baseline is None else quantity.values(self.baseline, quantity.BASELINE)
+        return {
+            "rig": grid.base if self.rig is None else self.rig,
+            "baselines_mm": baselines,
+            "focals_px": grid.focals_px,
+            "hfovs_deg": grid.hfovs_deg,
+            "resolutions_px": grid.resolutions_px,
+            "vergences_deg": grid.vergences_deg,
+        }
+
+    def other_axes(self) -> dict[str, tuple[float, ...]]:
+        """The values of the other axes that change the rig, by name."""
+        return numbers_of(dict(self.more), registry.OF_RIG)
 
     def single(self, scene: str) -> StereoRig:
         """The one rig asked for.

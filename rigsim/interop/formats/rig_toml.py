@@ -135,6 +135,11 @@ def write_rig(rig: StereoRig, comment: str = "", sensor: Sensor | None = None) -
 
     `comment` is put on top, as many lines as it has. The sensor is written number by number, without the
     name it may have had, so that it stays what it was.
+
+    Example:
+        >>> import rigsim
+        >>> print(rigsim.write_rig(rigsim.preset("bin").rig, comment="over the bin").splitlines()[0])
+        # over the bin
     """
     top = "".join(f"# {line}".rstrip() + "\n" for line in comment.splitlines())
     given.a(StereoRig, rig, "a StereoRig: the rig to write", InvalidRig)

@@ -14,7 +14,15 @@ from rigsim.rig.lens import undistortion
 
 @dataclass(frozen=True, slots=True)
 class BrownConrady:
-    """Radial k1, k2, k3 and tangential p1, p2; all zero is the ideal pinhole. No units: x/z and y/z."""
+    """Radial k1, k2, k3 and tangential p1, p2; all zero is the ideal pinhole. No units: x/z and y/z.
+
+    Example:
+        >>> import rigsim
+        >>> lens = rigsim.Intrinsics.from_focal(640, 480, 500.0, distortion=rigsim.BrownConrady(k1=-0.1))
+        >>> u, v = lens.project([[0.5, 0, 1.0]])[0]
+        >>> round(float(u - lens.cx), 3)  # 500 * .5 * (1 - .1 * .25)
+        243.75
+    """
 
     k1: float = 0.0
     k2: float = 0.0

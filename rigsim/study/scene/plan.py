@@ -41,6 +41,12 @@ class RigGrid:
 
     With `focals_px` the field of view changes with the resolution; otherwise the lens stays, and
     more pixels mean a longer focal length in px.
+
+    Example:
+        >>> import rigsim
+        >>> grid = rigsim.RigGrid(rigsim.preset("bin").rig, baselines_m=[0.05, 0.1], vergences_deg=[0, 2, 4])
+        >>> len(grid)
+        6
     """
 
     base: StereoRig
@@ -111,7 +117,14 @@ def sizes(given_sizes: object) -> tuple[tuple[int, int], ...]:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """All that decides the numbers of a sweep."""
+    """All that decides the numbers of a sweep.
+
+    Example:
+        >>> import rigsim
+        >>> plan = rigsim.Plan(scene="bin", noises=[0.1, 0.5], range_m=(0.5, 2))
+        >>> [noise.std_px for noise in plan.noises], plan.n_trials
+        ([0.1, 0.5], 100)
+    """
 
     scene: str = "boards"
     """Bundled scene's name or path of an MJCF file."""

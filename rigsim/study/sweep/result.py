@@ -17,7 +17,15 @@ from rigsim.study.sweep.limits import Limit
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SweepResult:
-    """Tables, pictures and findings of one sweep."""
+    """Tables, pictures and findings of one sweep.
+
+    Example:
+        >>> import rigsim
+        >>> rig = rigsim.StereoRig.rectified(rigsim.Intrinsics.from_focal(80, 60, 70.0), 0.06)
+        >>> found = rigsim.sweep(rig, rigsim.Plan(n_points=50, n_trials=5, renderer="rays", supersample=1))
+        >>> isinstance(found, rigsim.SweepResult), len(found.rows), found.best
+        (True, 1, (0,))
+    """
 
     rows: pd.DataFrame
     """One row a configuration; `ROW_COLUMNS`."""
