@@ -42,7 +42,13 @@ def test_without_words_the_sensor_is_ideal(tmp_path: Path) -> None:
     plain.write_text(RIG, encoding="utf-8")
     assert sensors_from(None, plain) == (Sensor(),)
     # Middlebury's calibration knows no sensor
-    assert sensor_from(None, tmp_path / "calib.txt") == Sensor()
+    calib = tmp_path / "calib.txt"
+    calib.write_text(
+        "cam0=[500 0 320; 0 500 240; 0 0 1]\ncam1=[500 0 320; 0 500 240; 0 0 1]\n"
+        "doffs=0\nbaseline=100\nwidth=640\nheight=480\n",
+        encoding="utf-8",
+    )
+    assert sensor_from(None, calib) == Sensor()
 
 
 def test_the_rig_has_its_own_sensor_and_a_name_wins_over_all_of_it(rig: Path) -> None:

@@ -28,7 +28,7 @@ SNR = '''
 
 from dataclasses import replace
 
-from rigsim.rig.quantity import PLAIN, Kind
+from rigsim.rig.quantity import PLAIN, QuantityKind
 from rigsim.study.scene.axes.axis import Axis
 from rigsim.study.scene.column import Column
 
@@ -38,7 +38,7 @@ AXIS = Axis(
     word="signal-to-noise ratio",
     read=lambda row: (5.0 / row.noise.std_px,),
     help="Signal-to-noise ratios, instead of --noise.",
-    kind=Kind("signal-to-noise ratio", "", PLAIN, above=0),
+    kind=QuantityKind("signal-to-noise ratio", "", PLAIN, above=0),
     of_noise=lambda noise, value: replace(noise, std_px=5.0 / value),
     instead_of="noise",
 )
