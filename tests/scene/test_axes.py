@@ -23,26 +23,7 @@ from rigsim.study.scene.axes import registry
 
 ROOT = Path(__file__).resolve().parents[2]
 
-SNR = '''
-"""The signal-to-noise ratio of the pictures, as pixel noise: a position is found to 5 px / SNR."""
-
-from dataclasses import replace
-
-from rigsim.rig.quantity import PLAIN, QuantityKind
-from rigsim.study.scene.axes.axis import Axis
-from rigsim.study.scene.column import Column
-
-AXIS = Axis(
-    name="snr",
-    columns=(Column("snr", "signal-to-noise", "", "short", "Signal-to-noise ratio.", empty=False),),
-    word="signal-to-noise ratio",
-    read=lambda row: (5.0 / row.noise.std_px,),
-    help="Signal-to-noise ratios, instead of --noise.",
-    kind=QuantityKind("signal-to-noise ratio", "", PLAIN, above=0),
-    of_noise=lambda noise, value: replace(noise, std_px=5.0 / value),
-    instead_of="noise",
-)
-'''
+PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
 
 
 def test_a_new_axis_is_one_file_and_its_lines_in_the_registry(tmp_path: Path) -> None:
@@ -50,7 +31,9 @@ def test_a_new_axis_is_one_file_and_its_lines_in_the_registry(tmp_path: Path) ->
     shutil.copytree(ROOT / "rigsim", tmp_path / "rigsim", ignore=ignored)
     (tmp_path / "models").symlink_to(ROOT / "models")
     axes = tmp_path / "rigsim" / "study" / "scene" / "axes"
-    (axes / "snr.py").write_text(SNR, encoding="utf-8")
+    example = re.search(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    assert example is not None
+    (axes / "snr.py").write_text(example.group(1), encoding="utf-8")
     text = (axes / "registry.py").read_text(encoding="utf-8")
     text = text.replace("    sensor,\n", "    sensor,\n    snr,\n", 1)
     text = text.replace("    noise.AXIS,\n", "    noise.AXIS,\n    snr.AXIS,\n", 1)
