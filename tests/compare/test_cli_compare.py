@@ -114,7 +114,7 @@ def test_functions_and_programs_of_ones_own_and_a_rig(
 @pytest.mark.parametrize(
     ("words", "code", "line"),
     [
-        (["nope"], 1, "unknown triangulator 'nope': choose one of rectified, optimal, dlt, midpoint, cv2"),
+        (["nope"], 1, "unknown triangulator 'nope': choose one of optimal, rectified, dlt, midpoint, cv2"),
         (["optimal", "optimal"], 2, "method 'optimal': given twice"),
         ([""], 2, "method: empty"),
         (["--geometry", "nope"], 2, "geometry 'nope': choose among rectified, doffs"),
