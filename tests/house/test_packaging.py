@@ -104,5 +104,5 @@ def test_installed_program_finds_its_scenes(installed: Path) -> None:
     listed = output_of(installed, "rigsim", "scenes")
     for path in CHECKOUT.glob("models/*/scene.xml"):
         assert path.parent.name in listed
-    code = "from rigsim.sim import library; print(library.models_dir())"
+    code = "from rigsim.sim.scenes import library; print(library.models_dir())"
     assert Path(output_of(installed, "python", "-c", code).strip()).is_relative_to(installed)

@@ -106,7 +106,7 @@ def test_an_interrupt_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 def test_a_kill_leaves_no_file_under_its_final_name(tmp_path: Path) -> None:
     slow = (
-        "import sys, time\nfrom pathlib import Path\nfrom rigsim.interop import folder\n"
+        "import sys, time\nfrom pathlib import Path\nfrom rigsim.interop.files import folder\n"
         "def write(path, content):\n"
         "    path.write_bytes(content[:1])\n"
         "    print('half', flush=True)\n"
@@ -177,3 +177,34 @@ def test_names_cannot_leave_the_folder(tmp_path: Path, name: str) -> None:
     with pytest.raises(ValueError, match="must be plain"):
         write_folder(tmp_path / "out", {name: b""})
     assert not (tmp_path / "out").exists()
+
+
+def test_a_pipe_stays_a_pipe_and_gets_the_content(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    with pytest.raises(OutputError, match="pipe: "):  # nobody reads
+        folder.write_file(pipe, b"lost")
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    try:
+        folder.write_file(pipe, b"told")
+        assert os.read(reader, 100) == b"told"
+    finally:
+        os.close(reader)
+    assert pipe.is_fifo()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["pipe"]
+
+
+def test_a_full_device_is_one_line_and_stays_a_device() -> None:
+    with pytest.raises(OutputError, match="/dev/full: "):
+        folder.write_file(Path("/dev/full"), b"anything")
+    folder.write_file(Path("/dev/null"), b"anything")
+    assert Path("/dev/full").is_char_device()
+    assert Path("/dev/null").is_char_device()
+
+
+def test_a_link_keeps_leading_to_the_file_that_is_written(tmp_path: Path) -> None:
+    (tmp_path / "file").write_bytes(b"old")
+    (tmp_path / "link").symlink_to("file")
+    folder.write_file(tmp_path / "link", b"new")
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "file").read_bytes() == b"new"

@@ -128,16 +128,22 @@ def folder_in_progress(
 
 
 def write_file(path: Path, content: bytes) -> None:
-    """Write one file whole, over an older one of that name.
+    """Write one file whole, over an older one of that name; a link keeps leading to it.
+
+    A device or a pipe (``/dev/stdout``) is written into, as nothing may stand in its place.
 
     Raises:
         OutputError: its folder does not exist or cannot be written; an older file stays as it was.
     """
-    temporary = claims.temporary_name(path.absolute().parent)
+    target = path.resolve() if path.is_symlink() and path.is_file() else path
+    temporary = claims.temporary_name(target.absolute().parent)
     guard.keep("path", str(temporary))
     try:
-        _write_through(temporary, content)
-        os.replace(temporary, path)
+        if path.exists() and not path.is_file() and not path.is_dir():
+            _write_into(path, content)
+        else:
+            _write_through(temporary, content)
+            os.replace(temporary, target)
     except OSError as error:
         reason = _REASONS.get(error.errno or 0, f"{error.strerror or error}; choose another folder")
         raise OutputError(f"output file {path}: {reason}") from None
@@ -213,6 +219,14 @@ def _temporary_beside(path: Path) -> Path:
     guard.keep("path", str(temporary.absolute()))
     temporary.mkdir()
     return temporary
+
+
+def _write_into(path: Path, content: bytes) -> None:
+    """Write into what is no regular file; a pipe that nobody reads fails instead of waiting."""
+    descriptor = os.open(path, os.O_WRONLY | os.O_NONBLOCK)
+    os.set_blocking(descriptor, True)
+    with open(descriptor, "wb") as file:
+        file.write(content)
 
 
 def _write_through(path: Path, content: bytes) -> None:
