@@ -336,7 +336,7 @@ def test_a_module_of_the_working_folder_is_found(tmp_path, monkeypatch) -> None:
     [
         (
             "best",
-            "unknown triangulator 'best': choose one of rectified, optimal, dlt, midpoint, or package.mod",
+            "unknown triangulator 'best': choose one of optimal, rectified, dlt, midpoint, or package.mod",
         ),
         (
             "nowhere.at_all:f",
