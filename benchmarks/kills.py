@@ -28,14 +28,14 @@ rows = (folder / "observations.csv").read_text().splitlines()[1:]
 (folder / "points.csv").write_text("x,y,z\\n" + "0,0,1\\n" * len(rows))
 """
 COMMANDS: dict[str, str] = {
-    "sweep": "sweep --baseline 50:500/4 --points 50 --trials 3 --resolution 160x120 --measure none --jobs 2 "
+    "sweep": "sweep --baseline 100,200 --points 50 --trials 3 --resolution 160x120 --measure none --jobs 2 "
     "--out out",
-    "design": "design --range 0.5:3m --depth-error 40mm@3m --fov 60deg --resolution 640x480 --out out",
+    "design": "design --range 0.5:3m --depth-error 40mm@3m --fov 60deg --resolution 640x480 --no-proof --out out",
     "verify": "verify --exec PROGRAM --scene none --cases rectified,doffs,verged --out out",
     "compare": "compare optimal dlt --geometry verged --points 500 --out out",
-    "export": "export dataset --scene bin --resolution 320x240 --format middlebury --frames 3 --out out",
+    "export": "export dataset --scene bin --resolution 160x120 --format middlebury --frames 2 --out out",
     "measure": "measure pair/left.png pair/right.png --rig pair/rig.toml --out out",
-    "tolerance": "tolerance --preset oak-d --depth-error 20mm@3m --rigs 300 --out out",
+    "tolerance": "tolerance --preset oak-d --depth-error 20mm@3m --rigs 100 --out out",
 }
 MAY_FAIL = {"verify": 3}  # the program triangulates nothing
 
