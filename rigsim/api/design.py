@@ -22,6 +22,7 @@ from rigsim.study.design.proof import Proof, recommended
 from rigsim.study.design.solve import Design, solve
 from rigsim.study.design.tolerance import DesignTolerance, design_tolerance
 from rigsim.study.tolerance.sensitivities import CLASSES
+from rigsim.theory.inverse import Camera
 
 if TYPE_CHECKING:
     from rigsim.interop.documents.base import Written
@@ -129,8 +130,7 @@ def design(options: DesignOptions) -> Designed:
         max_baseline_mm: Longest baseline, mm.
         max_disparity_px: Disparities that the matcher searches, px.
         max_pixels: Most pixels of one image.
-        min_overlap: Shares of the left image that the right camera sees, at least, 0 to 1; by default 0.5 at
-            the near end.
+        min_overlap: Least shares of the left image seen by the right, 0 to 1; by default 0.5 at the near end.
         min_overlap_at_m: Their distances, m; the near end by default.
         nearest_focus_m: Nearest distance at which the lenses draw sharply, m.
         noise_px: Standard deviation of the noise of one pixel coordinate, px; by default 0.25, or with
@@ -173,14 +173,11 @@ def design(options: DesignOptions) -> Designed:
         >>> error_m < 0.020
         True
     """
-    specification = specified(options)
-    cameras = CameraOptions(
-        options.resolutions_px,
-        tuple(str(name) for name in given.several(options.sensors)),
-        options.lenses_mm,
-        options.lenses_px,
-        options.lenses_deg,
-    ).all(options.fov_deg)
+    return _designed(options)
+
+
+def _designed(options: DesignOptions) -> Designed:
+    specification, cameras = specified(options), _cameras(options)
     if options.tolerance_class not in CLASSES:
         raise InvalidRange(f"class {options.tolerance_class!r}: choose one of {', '.join(CLASSES)}")
     levels = given.reals(options.image_noise_grey, "image_noise_grey")
@@ -206,3 +203,14 @@ def design(options: DesignOptions) -> Designed:
     told = has_own_noise(pick.camera.sensor, optics) or options.blur_px is not None
     sensor = fits[pick.camera.sensor].sensor if told else None
     return Designed(found, proofs, held, sensor, options.command, remarks)
+
+
+def _cameras(options: DesignOptions) -> list[Camera]:
+    """Every camera to try."""
+    return CameraOptions(
+        options.resolutions_px,
+        tuple(str(name) for name in given.several(options.sensors)),
+        options.lenses_mm,
+        options.lenses_px,
+        options.lenses_deg,
+    ).all(options.fov_deg)

@@ -258,6 +258,10 @@ def export_dataset(options: DatasetOptions) -> ExportedDataset:
         ...     len(found.table), rigsim.read_rig(folder) == rig
         (2, True)
     """
+    return _exported(options)
+
+
+def _exported(options: DatasetOptions) -> ExportedDataset:
     from rigsim.api.kit.sensors import SensorOptions
     from rigsim.interop.files.dataset import check_format, nearest_m, write_dataset
     from rigsim.interop.files.folder import check_output

@@ -156,7 +156,11 @@ def measure(options: MeasureOptions) -> Measured:
         >>> len(found.table) > 10, found.verdict
         (True, 'untold')
     """
-    from rigsim.interop.files.measure import read_truth, sources
+    return Measured(_measured(options))
+
+
+def _measured(options: MeasureOptions) -> PairMeasurement:
+    from rigsim.interop.files.measure import sources
     from rigsim.study.measure.run import Wanted, measure_pair, versions
 
     if options.square_mm is not None and options.board is None:
@@ -168,15 +172,9 @@ def measure(options: MeasureOptions) -> Measured:
         rig, searched = options.rig(left), None
     else:
         rig, searched = read_rig(options.rig), told_of(options.rig).disparities_px
-    truth = options.truth
-    true: Array | None = None
-    if isinstance(truth, np.ndarray):
-        true = np.asarray(truth, dtype=np.float64)
-    elif truth is not None:
-        true = read_truth(given.path(truth, "truth"), options.truth_scale)
-    named = {"left": options.left, "right": options.right, "truth": truth}
+    named = {"left": options.left, "right": options.right, "truth": options.truth}
     paths = {name: Path(path) for name, path in named.items() if isinstance(path, str | os.PathLike)}
-    result = measure_pair(
+    return measure_pair(
         left,
         right,
         rig,
@@ -188,10 +186,20 @@ def measure(options: MeasureOptions) -> Measured:
             disparity_range=options.disparities_px or searched,
             timeout_s=options.timeout_s,
         ),
-        truth=true,
+        truth=_truth(options),
         provenance={"command": options.command, **sources(paths), **versions()},
     )
-    return Measured(result)
+
+
+def _truth(options: MeasureOptions) -> Array | None:
+    """True disparity (H, W) px; None where none was given."""
+    from rigsim.interop.files.measure import read_truth
+
+    if options.truth is None:
+        return None
+    if isinstance(options.truth, np.ndarray):
+        return np.asarray(options.truth, dtype=np.float64)
+    return read_truth(given.path(options.truth, "truth"), options.truth_scale)
 
 
 def _pixels(picture: Picture, what: str) -> AnyImage:

@@ -107,8 +107,7 @@ def sweep(options: SweepOptions) -> Sweep:
         read_noise_e: Read noise, electrons.
         triangulators: Names, ``package.module:function``, which runs in a process of its own, or functions.
         timeout_s: For one call of such a function, a block of trials, s.
-        in_process: Whether it is called in this process as well: faster, but if it crashes or hangs, so does
-            this.
+        in_process: Whether it is called in this process: faster, but if it crashes or hangs, so does this.
         seed: Seed of every random number.
         renderer: auto, egl, osmesa or rays.
         supersample: Samples along each side of a drawn pixel: 1, 2 or 4.
@@ -135,8 +134,22 @@ def sweep(options: SweepOptions) -> Sweep:
         >>> bool(found.table["depth_rmse_mm"].iloc[0] > found.table["depth_rmse_mm"].iloc[1])
         True
     """
+    return _run(options)
+
+
+def _run(options: SweepOptions) -> Sweep:
     from rigsim.study.sweep.run import sweep as run
 
+    rigs, plan, remarks = _asked(options)
+    if options.command:
+        plan = replace(plan, extra={**plan.extra, "command": options.command})
+    result = run(cast(Any, rigs), plan, jobs=options.jobs, progress=options.progress)
+    values = {field.name: getattr(result, field.name) for field in fields(result)}
+    return Sweep(**{**values, "remarks": (*remarks, *result.remarks)})
+
+
+def _asked(options: SweepOptions) -> tuple[object, Plan, tuple[Remark, ...]]:
+    """The rigs, what is done with them, and what is odd about this machine."""
     said = options.said()
     remarks: tuple[Remark, ...] = ()
     if options.plan is not None:
@@ -148,8 +161,4 @@ def sweep(options: SweepOptions) -> Sweep:
     else:
         rigs = swept(options)
         plan, remarks = plan_of(options)
-    if options.command:
-        plan = replace(plan, extra={**plan.extra, "command": options.command})
-    result = run(cast(Any, rigs), plan, jobs=options.jobs, progress=options.progress)
-    values = {field.name: getattr(result, field.name) for field in fields(result)}
-    return Sweep(**{**values, "remarks": (*remarks, *result.remarks)})
+    return rigs, plan, remarks

@@ -172,6 +172,10 @@ def tolerance(options: ToleranceOptions) -> Toleranced:
         >>> round(float(found.table["depth_error_at_3000_mm"].iloc[0]), 6)  # 1 % of 75 mm is 1 % of 3 m
         30.0
     """
+    return Toleranced(_run(options))
+
+
+def _run(options: ToleranceOptions) -> ToleranceResult:
     from rigsim.study.tolerance.run import Build, Recalibration, run_tolerance
 
     near_m, far_m = _range(options.range_m)
@@ -184,7 +188,7 @@ def tolerance(options: ToleranceOptions) -> Toleranced:
         given.real(options.noise_px, "noise_px"),
         given.real(options.length_std_mm, "length_std_mm"),
     )
-    result = run_tolerance(
+    return run_tolerance(
         Build(rig, held, session.noise_px, session if options.recalibrate else None),
         required,
         (near_m, far_m),
@@ -192,7 +196,6 @@ def tolerance(options: ToleranceOptions) -> Toleranced:
         n_points=options.points,
         seed=options.seed,
     )
-    return Toleranced(result)
 
 
 def _range(range_m: object) -> tuple[float, float]:

@@ -179,6 +179,10 @@ def verify(options: VerifyOptions) -> Verified:
         >>> rigsim.verify(swapped, cases="rectified", scenes=[]).verdict
         'failed'
     """
+    return _verified(options)
+
+
+def _verified(options: VerifyOptions) -> Verified:
     from rigsim.study.verify.session import run
 
     selection = _selection(options)

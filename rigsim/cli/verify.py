@@ -13,7 +13,7 @@ from rigsim.cli.kit.answer import claim, command, deliver, quiet
 from rigsim.cli.kit.options import Json, takes, takes_rig
 from rigsim.cli.kit.progress import stages
 from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
-from rigsim.cli.kit.triangulators import TIMEOUT
+from rigsim.cli.kit.triangulators import TIMEOUT, InProcess
 from rigsim.cli.kit.triangulators import words as split
 from rigsim.errors import InvalidRange, OutputError
 
@@ -68,6 +68,7 @@ class VerifyWords:
     timeout: Annotated[
         str, typer.Option(metavar="TIME", help="For one call of a function or program of yours.")
     ] = "10s"
+    in_process: InProcess = False
     out: Annotated[Path | None, typer.Option(help="Folder for verify.html, verify.json and junit.xml.")] = (
         None
     )
@@ -109,6 +110,7 @@ def verify(options: RigOptions, words: VerifyWords) -> None:
         "rig": None if options == RigOptions() else options.single(DEFAULT_PRESET),
         "seed": words.seed,
         "timeout_s": timeout_s,
+        "in_process": words.in_process,
         "golden": words.golden,
         "update": words.update,
     }
@@ -161,4 +163,6 @@ def _again(options: RigOptions, words: VerifyWords) -> list[str]:
         said += ["--seed", str(words.seed)]
     if words.timeout != "10s":
         said += ["--timeout", words.timeout]
+    if words.in_process:
+        said.append("--in-process")
     return said

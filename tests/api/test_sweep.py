@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import rigsim
-from rigsim.api.kit.sweep_plan import rig_grid
+from rigsim.api.kit.sweep_plan import SweepOptions, swept
 from rigsim.api.result import Result
 from rigsim.api.sweep import Sweep
 from rigsim.errors import InvalidRange, OutputError, RigsimError
@@ -39,7 +39,7 @@ def test_words_are_the_same_sweep_as_a_plan(small: Sweep) -> None:
 
 
 def test_the_example_of_the_issue_has_what_it_asks_for() -> None:
-    grid = rig_grid("oak-d", baselines_mm=[50, 100])
+    grid: Any = swept(SweepOptions("oak-d", baselines_mm=[50, 100]))
     assert [rig.baseline_m for rig in grid] == [0.05, 0.1]
     assert [(rig.left.width, rig.left.fx) for rig in grid] == [(1280, 882.5)] * 2
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 from pathlib import Path
@@ -128,6 +129,27 @@ def test_what_a_function_does_wrong_stays_in_its_case(capsys: pytest.CaptureFixt
     assert "returned shape (1, 2): must be (1, 3)" in shape["one pixel pair"]["error"]
     assert prints["missing pixels"]["status"] == "passed"
     assert prints["missing pixels"]["notes"] == ["printed 'so far so good'"]
+
+
+def test_a_function_runs_in_this_process_where_that_is_asked_for(
+    beside: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (beside / "whereabouts.py").write_text(
+        "import os\n\n\ndef told(rig, uv_left, uv_right):\n    raise ValueError(f'in {os.getpid()}')\n",
+        encoding="utf-8",
+    )
+    words = [*FEW, "--cases", "rows", "--triangulator", "whereabouts:told"]
+    pids = []
+    for more in ([], ["--in-process"]):
+        assert run([*words, *more]) == 3
+        said = capsys.readouterr().out
+        pids.append(set(map(int, re.findall(r"ValueError: in\s+(\d+)", said))))
+        (again,) = re.findall(r"^Again: (.*) --triangulator", said, re.MULTILINE)
+        assert again == " ".join(["rigsim verify --scene none", *more])
+    apart, here = pids
+    assert apart
+    assert os.getpid() not in apart
+    assert here == {os.getpid()}
 
 
 def test_a_program(beside: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -72,36 +72,21 @@ class SweepOptions:
         )
 
 
-def rig_grid(
-    rig: RigLike | None = None,
-    scene: str = "",
-    *,
-    baselines_mm: Several = (),
-    focals_px: Several = (),
-    hfovs_deg: Several = (),
-    resolutions_px: Sizes = (),
-    vergences_deg: Several = (),
-    more: Mapping[str, Several] | None = None,
-) -> RigGrid:
-    """All rigs that a rig and its axes make; arguments as those of `sweep`.
+def _grid(rig: StereoRig, options: SweepOptions) -> RigGrid:
+    """All rigs that a rig makes with the axes that were given.
 
     Raises:
         InvalidRange: a value is none, or two axes say the same thing.
     """
     return RigGrid(
-        rig_for(rig, scene),
-        baselines_m=tuple(mm / 1e3 for mm in given.reals(baselines_mm, "baselines_mm")),
-        focals_px=given.reals(focals_px, "focals_px"),
-        hfovs_deg=given.reals(hfovs_deg, "hfovs_deg"),
-        resolutions_px=cast(Any, resolutions_px),
-        vergences_deg=given.reals(vergences_deg, "vergences_deg"),
-        more=_values(more, registry.OF_RIG),
+        rig,
+        baselines_m=tuple(mm / 1e3 for mm in given.reals(options.baselines_mm, "baselines_mm")),
+        focals_px=given.reals(options.focals_px, "focals_px"),
+        hfovs_deg=given.reals(options.hfovs_deg, "hfovs_deg"),
+        resolutions_px=cast(Any, options.resolutions_px),
+        vergences_deg=given.reals(options.vergences_deg, "vergences_deg"),
+        more=_values(options.more, registry.OF_RIG),
     )
-
-
-def _axes(options: SweepOptions) -> dict[str, Any]:
-    """The axes of the rig that were given."""
-    return {**{axis: getattr(options, axis) for axis in _AXES}, "more": options.more}
 
 
 def _values(more: Mapping[str, Several] | None, axes: Sequence[Axis]) -> dict[str, tuple[float, ...]]:
@@ -131,11 +116,11 @@ def swept(options: SweepOptions) -> object:
     if isinstance(rigs, str | os.PathLike):
         if options.rig is not None:
             raise InvalidRange("rigs and rig both given: they say the same thing, give one")
-        return rig_grid(rigs, **_axes(options))
+        return _grid(read_rig(rigs), options)
     if rigs is None:
         if not said:
             raise InvalidRange("no rig to sweep: give one, as in rig='oak-d', or a RigGrid")
-        return rig_grid(options.rig, str(options.scene), **_axes(options))
+        return _grid(rig_for(options.rig, str(options.scene)), options)
     both = [name for name in said if name == "rig" or name in _AXES]
     both += sorted({axis.name for axis in registry.OF_RIG} & set(options.more or {}))
     if both:

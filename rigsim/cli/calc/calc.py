@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
@@ -12,7 +13,7 @@ from rigsim.cli.calc.limits import limits
 from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import print_remarks
 from rigsim.cli.kit.facts import Fact, Form, print_facts
-from rigsim.cli.kit.options import Csv, Json, Markdown, Noise, Principal, single_rig, takes_rig
+from rigsim.cli.kit.options import Csv, Json, Markdown, Noise, Principal, single_rig, takes, takes_rig
 from rigsim.cli.kit.rigs import RigOptions
 from rigsim.errors import InvalidRange, RigsimError
 
@@ -39,31 +40,37 @@ def _calc(context: typer.Context) -> None:
         typer.echo(context.get_help())
 
 
-@app.command()
-@takes_rig
-def point(
-    options: RigOptions,
-    left: Annotated[str, typer.Option(metavar="U,V", help="The point in the left image, px: 980,500.")],
-    right: Annotated[str, typer.Option(metavar="U,V", help="The point in the right image, px: 910,500.")],
-    principal: Principal = None,
-    noise: Noise = "0.25",
-    disparity_error: DisparityError = None,
+@dataclass(frozen=True, slots=True)
+class PointWords:
+    """The options of `rigsim calc point`, as typed."""
+
+    left: Annotated[str, typer.Option(metavar="U,V", help="The point in the left image, px: 980,500.")]
+    right: Annotated[str, typer.Option(metavar="U,V", help="The point in the right image, px: 910,500.")]
+    principal: Principal = None
+    noise: Noise = "0.25"
+    disparity_error: DisparityError = None
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Draw the rig and the point from above, as PNG.")
-    ] = None,
-    as_json: Json = False,
-    as_csv: Csv = False,
-    as_markdown: Markdown = False,
-) -> None:
+    ] = None
+    as_json: Json = False
+    as_csv: Csv = False
+    as_markdown: Markdown = False
+
+
+@app.command()
+@takes_rig
+@takes(PointWords)
+def point(options: RigOptions, words: PointWords) -> None:
     """Triangulate one point seen in both images, with its uncertainty.
 
     Lengths are in mm, in the left camera's frame: X right, Y down, Z forward. Without --resolution pixels,
     and so X and Y, count from the optical axis.
     """
-    form = Form(as_json, as_csv, as_markdown)
-    rig = single_rig(options, principal, size_for="--plot" if plot else "")
-    pixel_noise = _noise(noise)
-    uv_left, uv_right = quantity.point(left, "left position"), quantity.point(right, "right position")
+    form = Form(words.as_json, words.as_csv, words.as_markdown)
+    rig = single_rig(options, words.principal, size_for="--plot" if words.plot else "")
+    pixel_noise = _noise(words.noise)
+    uv_left = quantity.point(words.left, "left position")
+    uv_right = quantity.point(words.right, "right position")
 
     import numpy as np
 
@@ -76,14 +83,14 @@ def point(
     uv = np.array(uv_left), np.array(uv_right)
     seen = sight.sight_of_pixels(rig, *uv, sized=options.has_size)
     residual = sight.residual_px(rig, found, *uv)
-    about = _about(rig, found, pixel_noise, disparity_error, seen.by_both)
+    about = _about(rig, found, pixel_noise, words.disparity_error, seen.by_both)
     remarks = [
         *sight.rig_remarks(rig, sized=options.has_size),
         *seen.remarks,
         *sight.residual_remarks(rig, residual, pixel_noise, *uv),
         *about.remarks,
     ]
-    from_axis = not (options.has_size or principal)
+    from_axis = not (options.has_size or words.principal)
     frame_x, frame_y = ("'s axis, where u = 0", "'s axis, where v = 0") if from_axis else ("", "")
     x, y, z = (float(value) * 1e3 for value in found)
     error_x, error_y, error_z = about.errors_mm
@@ -96,8 +103,8 @@ def point(
         *_residual_facts(residual, pixel_noise),
         *about.facts,
     ]
-    if plot is not None:
-        _draw(plot, rig, found[None], pixel_noise)
+    if words.plot is not None:
+        _draw(words.plot, rig, found[None], pixel_noise)
     origin = "optical axis" if from_axis else "first pixel"
     _print(facts, remarks, title="Point", form=form, uv_origin=origin)
 
@@ -153,7 +160,7 @@ def depth(
     _print(facts, remarks, title="Depth", form=form)
 
 
-app.command()(takes_rig(limits))
+app.command()(limits)
 
 
 class _About(NamedTuple):

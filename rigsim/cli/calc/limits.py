@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
@@ -11,7 +12,7 @@ import typer
 from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import print_remarks
 from rigsim.cli.kit.facts import Fact, Form, print_facts
-from rigsim.cli.kit.options import Csv, Json, Markdown, Principal, single_rig
+from rigsim.cli.kit.options import Csv, Json, Markdown, Principal, single_rig, takes, takes_rig
 from rigsim.cli.kit.rigs import RigOptions
 from rigsim.errors import InvalidRange
 
@@ -22,8 +23,10 @@ if TYPE_CHECKING:
 _SEARCH = (1.0, 128.0)
 
 
-def limits(
-    options: RigOptions,
+@dataclass(frozen=True, slots=True)
+class LimitsWords:
+    """The options of `rigsim calc limits`, as typed."""
+
     z: Annotated[
         str,
         typer.Option(
@@ -31,39 +34,44 @@ def limits(
             metavar="LENGTHS",
             help="Distances Z along the left optical axis at which overlap and depth step are told: 1,3m.",
         ),
-    ] = "1m",
+    ] = "1m"
     disparities: Annotated[
         str | None,
         typer.Option(
             metavar="MIN:MAX",
             help="Disparities a matcher searches, px; by default what is published of the preset, or 1:128.",
         ),
-    ] = None,
+    ] = None
     shift: Annotated[
         str | None, typer.Option(metavar="PX", help="Disparity shift added to the search; 0 by default.")
-    ] = None,
+    ] = None
     reach: Annotated[
         str | None,
         typer.Option(
             metavar="NEAR[:FAR]",
             help="Find the disparity shift with which the search reaches this near, and as far as FAR.",
         ),
-    ] = None,
-    principal: Principal = None,
-    as_json: Json = False,
-    as_csv: Csv = False,
-    as_markdown: Markdown = False,
-) -> None:
+    ] = None
+    principal: Principal = None
+    as_json: Json = False
+    as_csv: Csv = False
+    as_markdown: Markdown = False
+
+
+@takes_rig
+@takes(LimitsWords)
+def limits(options: RigOptions, words: LimitsWords) -> None:
     """Tell what a rig can see at all: depth range, overlap, blind zone, depth step.
 
     Every Z counts along the left camera's optical axis.
     """
-    form = Form(as_json, as_csv, as_markdown)
-    rig = single_rig(options, principal, size_for="calc limits")
-    depths_mm = quantity.distances(z)
+    form = Form(words.as_json, words.as_csv, words.as_markdown)
+    rig = single_rig(options, words.principal, size_for="calc limits")
+    depths_mm = quantity.distances(words.z)
+    shift, reach = words.shift, words.reach
     if shift is not None and reach is not None:
         raise InvalidRange("--shift and --reach both given: --reach finds the shift, give one")
-    search = _search(options, disparities)
+    search = _search(options, words.disparities)
     shift_px = quantity.value(shift, quantity.DISPARITY) if shift is not None else 0.0
     reached = _reach(rig, search, reach) if reach is not None else _Reached(shift_px, "added to both", ())
 
