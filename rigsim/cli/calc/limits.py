@@ -54,7 +54,7 @@ def limits(
     as_csv: Csv = False,
     as_markdown: Markdown = False,
 ) -> None:
-    """Tell what a rig can see at all: depth range, overlap, blind zone, depth step.
+    """Say what a rig can see: depth range, overlap, blind zone, depth step.
 
     Every Z counts along the left camera's optical axis.
     """

@@ -118,7 +118,7 @@ class DesignWords:
 
 @takes(DesignWords)
 def design(words: DesignWords) -> None:
-    """Find the rigs that meet requirements, recommend one, and prove it by simulation.
+    """Find the rigs that meet requirements, recommend one, and verify it by simulation.
 
     Says which requirement binds at each end of the baselines allowed; when nothing is feasible, which one to
     relax and by how much. Exit code 3 when the simulation confirms none of the rigs tried.

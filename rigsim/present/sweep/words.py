@@ -85,8 +85,8 @@ def _far_limit(result: SweepResult) -> list[str]:
         return []
     return [
         f"Surfaces beyond {result.far_limit_m:.3g} m, up to {percent(result.beyond_fraction)} of a left "
-        "image, are left out: no rig of this sweep measures them as 4 standard deviations of depth or "
-        "more (--range sets other limits)."
+        "image, are left out: there, the depth is under 4 of its standard deviations for every rig of this "
+        "sweep (--range sets other limits)."
     ]
 
 
@@ -168,8 +168,8 @@ def _averages(row: pd.Series) -> list[str]:
     if not pixels > 0:
         return []
     return [
-        f"Over all points that it sees, its depth error is {mm(pixels)} RMS per pixel of the left image, "
-        f"and {mm(balanced)} over points balanced over depth, where far ones count as much as near ones."
+        f"Over all points that both cameras see, its depth error is {mm(pixels)} RMS per pixel of the left "
+        f"image, and {mm(balanced)} over points balanced over depth, where far ones count as much as near ones."
     ]
 
 
