@@ -169,7 +169,8 @@ def _averages(row: pd.Series) -> list[str]:
         return []
     return [
         f"Over all points that both cameras see, its depth error is {mm(pixels)} RMS per pixel of the left "
-        f"image, and {mm(balanced)} over points balanced over depth, where far ones count as much as near ones."
+        f"image, and {mm(balanced)} over points balanced over depth, where far ones count as much as near "
+        "ones."
     ]
 
 
