@@ -58,7 +58,7 @@ def _objection(found: Objection, scene: str) -> str:
         )
     simulated = f"the simulated {labels.name(asked)} is {labels.value(asked, held.simulated, 3)}"
     if found.kind == "missed":
-        return f"{simulated}, allowed is {labels.value(asked, asked.limit, 3)}"
+        return f"{simulated}, required is {labels.value(asked, asked.limit, 3)}"
     return (
         f"{simulated} as required, but the measured one is {labels.value(asked, held.measured, 3)} "
         f"({held.n_measured} matches in the pictures), more than the "
