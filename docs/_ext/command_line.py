@@ -28,7 +28,7 @@ def _sections(command: Any, path: str) -> Iterator[str]:
     yield f"```text\n{' '.join([path, *command.collect_usage_pieces(context)])}\n```\n"
     rows = [row for parameter in command.params for row in _row(parameter, context)]
     if rows:
-        yield "| option | what | unless said |\n|---|---|---|"
+        yield "| option | what | default |\n|---|---|---|"
         yield from rows
         yield ""
 

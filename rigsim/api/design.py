@@ -115,7 +115,7 @@ class Designed(Result):
 
 @takes(DesignOptions)
 def design(options: DesignOptions) -> Designed:
-    """Find the rigs that meet requirements, recommend one, and prove it by simulation.
+    """Find the rigs that meet requirements, recommend one, and verify it by simulation.
 
     Args:
         range_m: Working range, (near, far), m.

@@ -175,7 +175,7 @@ def _claimed(claims: Sequence[DepthError], rig: StereoRig) -> tuple[ErrorsByDist
         at_m = given.real(claim.at_m, f"{name}, distance")
         if at_m in depths_m:
             where = claim.words.rpartition("@")[2].strip() or f"{at_m:g} m"
-            raise InvalidRange(f"{name}: {where} stands there twice; remove one")
+            raise InvalidRange(f"{name}: {where} is given twice; remove one")
         if claim.pct is not None and not 0 < claim.pct <= 100:
             raise InvalidRange(f"{name}: percent of the distance must be > 0 and <= 100")
         # in mm, as claims have always been read: the last digit depends on it

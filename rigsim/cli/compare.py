@@ -27,7 +27,7 @@ class CompareWords:
         list[str] | None,
         typer.Argument(
             metavar="METHOD",
-            help="optimal, dlt, midpoint, cv2 (these unless said), rectified, or package.module:function;"
+            help="optimal, dlt, midpoint, cv2 (these by default), rectified, or package.module:function;"
             " ratios are to the first.",
         ),
     ] = None
@@ -54,7 +54,7 @@ class CompareWords:
     )
     seed: Annotated[int, typer.Option(help="Seed of points and noise.")] = 0
     timeout: Annotated[
-        str, typer.Option(metavar="TIME", help="For one call of a function or program of yours.")
+        str, typer.Option(metavar="TIME", help="Time limit for one call of your function or program.")
     ] = "10s"
     in_process: InProcess = False
     out: Annotated[

@@ -73,7 +73,7 @@ class DatasetWords:
     image_noise: ImageNoise = None
     full_well: FullWell = None
     read_noise: ReadNoise = None
-    seed: Annotated[int, typer.Option(min=0, help="Of the viewpoints and the noise.")] = 0
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the viewpoints and the noise.")] = 0
     renderer: Annotated[str, typer.Option(help="auto, egl, osmesa or rays.")] = "auto"
     force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False
     as_json: Json = False

@@ -32,7 +32,7 @@ class InferWords:
         str | None,
         typer.Option(
             metavar="ERROR@Z,...",
-            help="Depth errors claimed: 1%@4m,2%@7m; 10mm@3m; or nearest:farthest, 8.1:13.1m@10m.",
+            help="Claimed depth errors: 1%@4m,2%@7m; 10mm@3m; or nearest:farthest, 8.1:13.1m@10m.",
         ),
     ] = None
     data: Annotated[
@@ -45,7 +45,7 @@ class InferWords:
         bool, typer.Option("--p95", help="The errors claimed are 95th percentiles, not one std.")
     ] = False
     to: Annotated[
-        str | None, typer.Option(metavar="RIG", help="Carry the noise over to a rig.toml or preset.")
+        str | None, typer.Option(metavar="RIG", help="Another rig to apply the noise to: rig.toml or preset.")
     ] = None
     at: Annotated[
         str | None,

@@ -35,18 +35,18 @@ class MeasureWords:
     square: Annotated[
         str | None,
         typer.Option(
-            metavar="LENGTH", help="Known side of the boards' squares: 25mm. Tells if depths are right."
+            metavar="LENGTH", help="Known side of the boards' squares: 25mm. Checks whether depths are right."
         ),
     ] = None
     dense: Annotated[bool, typer.Option(help="Find a disparity for every pixel.")] = True
     matcher: Annotated[
         str,
         typer.Option(
-            help="Who finds it: sgbm; package.module:function(left, right, rig); or a command with {left}, "
-            "{right} and {out} in it."
+            help="The dense matcher: sgbm; package.module:function(left, right, rig); or a command with "
+            "{left}, {right} and {out} in it."
         ),
     ] = "sgbm"
-    timeout: Annotated[float, typer.Option(metavar="S", help="Longest time for a matcher, s.")] = 120.0
+    timeout: Annotated[float, typer.Option(metavar="S", help="Time limit for a matcher, s.")] = 120.0
     disparity: Annotated[
         str | None, typer.Option(metavar="PX:PX", help="Disparities to search: 0:128, px.")
     ] = None
@@ -60,7 +60,7 @@ class MeasureWords:
     ] = None
     target: Annotated[
         str | None,
-        typer.Option(metavar="U,V,WxH", help="Pixels of a flat target, to judge by itself: 400,300,200x100."),
+        typer.Option(metavar="U,V,WxH", help="Pixels of a flat target, judged separately: 400,300,200x100."),
     ] = None
     out: Annotated[Path | None, typer.Option(help="Folder of pictures, points and tables.")] = None
     force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False

@@ -75,7 +75,7 @@ class SweepWords:
         str, typer.Option(help=f"{lists.TRIANGULATORS}, or package.module:function; commas.")
     ] = "optimal"
     timeout: Annotated[
-        str, typer.Option(metavar="TIME", help="For one call of a function of yours, a block of trials.")
+        str, typer.Option(metavar="TIME", help="Time limit for one call of your function, a block of trials.")
     ] = "60s"
     in_process: InProcess = False
     seed: Annotated[int, typer.Option(help="Seed of every random number.")] = 0

@@ -66,7 +66,7 @@ class ToleranceWords:
         typer.Option(
             metavar="ERROR[@DISTANCE]",
             help="Largest root mean square depth error of one rig over the image and its noise: 10mm@3m, 1%;"
-            " at the far end unless said.",
+            " at the far end by default.",
         ),
     ] = "1%"
     depth_range: Annotated[
@@ -97,13 +97,11 @@ class ToleranceWords:
     ] = True
     features: Annotated[
         int,
-        typer.Option(
-            "--recalibration-features", metavar="N", help="Features that a recalibration sees in a picture."
-        ),
+        typer.Option("--recalibration-features", metavar="N", help="Features per calibration image."),
     ] = 60
     pictures: Annotated[
         int,
-        typer.Option("--recalibration-pictures", metavar="N", help="Pictures it averages each of them over."),
+        typer.Option("--recalibration-pictures", metavar="N", help="Images averaged per feature."),
     ] = 10
     noise: Annotated[
         str,
@@ -117,8 +115,8 @@ class ToleranceWords:
         str, typer.Option(metavar="LENGTH", help="Standard deviation of the known length.")
     ] = "0.5mm"
     rigs: Annotated[int, typer.Option(metavar="N", help="Rigs to build.")] = 10_000
-    points: Annotated[int, typer.Option(metavar="N", help="Points each is judged by.")] = 500
-    seed: Annotated[int, typer.Option(min=0, help="Of the random numbers.")] = 0
+    points: Annotated[int, typer.Option(metavar="N", help="Points per rig.")] = 500
+    seed: Annotated[int, typer.Option(min=0, help="Seed of every random number.")] = 0
     out: Annotated[
         Path | None, typer.Option(help="Folder for tolerance.csv, .json, .png and places.png.")
     ] = None

@@ -35,7 +35,7 @@ class VerifyWords:
         typer.Option(
             metavar="NAME",
             help=f"{lists.TRIANGULATORS}, or package.module:function; repeatable, or commas."
-            " optimal unless said.",
+            " optimal by default.",
         ),
     ] = None
     exec_: Annotated[
@@ -58,15 +58,15 @@ class VerifyWords:
         list[str] | None,
         typer.Option(
             metavar="NAME",
-            help="Scenes to take surfaces and pictures from: names, MJCF files, or none; all unless said.",
+            help="Scenes to take surfaces and pictures from: names, MJCF files, or none; all by default.",
         ),
     ] = None
     strict: Annotated[
-        bool, typer.Option("--strict", help="Errors larger than least squares would leave fail, too.")
+        bool, typer.Option("--strict", help="Also fail errors larger than those of least squares.")
     ] = False
     seed: Annotated[int, typer.Option(help="Seed of every random number.")] = 0
     timeout: Annotated[
-        str, typer.Option(metavar="TIME", help="For one call of a function or program of yours.")
+        str, typer.Option(metavar="TIME", help="Time limit for one call of your function or program.")
     ] = "10s"
     in_process: InProcess = False
     out: Annotated[Path | None, typer.Option(help="Folder for verify.html, verify.json and junit.xml.")] = (
@@ -77,14 +77,12 @@ class VerifyWords:
     as_json: Json = False
     golden: Annotated[
         Path | None,
-        typer.Option(metavar="DIR", help="Hold the numbers against golden results; what moved fails."),
+        typer.Option(metavar="DIR", help="Compare with golden results; a changed number fails."),
     ] = None
     update: Annotated[
         bool, typer.Option("--update", help=f"Write golden results, to {GOLDEN} or --golden.")
     ] = False
-    list_cases: Annotated[
-        bool, typer.Option("--list", help="Say which cases there are, and run nothing.")
-    ] = False
+    list_cases: Annotated[bool, typer.Option("--list", help="List the cases and run nothing.")] = False
 
 
 @takes_rig

@@ -147,7 +147,7 @@ def test_a_sweep_that_measures_nothing_is_null_and_untold(capsys: pytest.Capture
     assert (row["measured_n"], row["measured_depth_rmse_mm"]) == (0, None)
     assert row["agreement"].startswith("untold: nothing was measured")
     assert row["agreement_witness"] == "measured"
-    assert "not enough to tell of the measurement" in " ".join(said["verdict"]["sentences"])
+    assert "not enough to judge the measurement" in " ".join(said["verdict"]["sentences"])
 
 
 def test_a_rig_without_result_is_a_row_of_nulls(capsys: pytest.CaptureFixture[str]) -> None:

@@ -111,7 +111,7 @@ def test_labels_of_levels_never_coincide() -> None:
         ({"blur": "0.5,1"}, InvalidRange, "lens blur 0.5,1: must be a number"),
         ({"blur": "1mm"}, InvalidRange, "lens blur 1mm: unknown unit 'mm'"),
         ({"image_noise": "1,-2"}, InvalidRange, "image noise -2 grey: must be >= 0"),
-        ({"image_noise": "1,1"}, InvalidRange, "stands there twice"),
+        ({"image_noise": "1,1"}, InvalidRange, "is given twice"),
         ({"image_noise": ""}, InvalidRange, "image noise empty"),
         ({"full_well": "-5"}, InvalidRange, "full well -5 e: must be >= 0"),
         ({"read_noise": "3"}, InvalidRig, "read noise 3 e- without a full well"),

@@ -123,7 +123,7 @@ def test_a_golden_folder_of_300_letters(capfd: pytest.CaptureFixture[str]) -> No
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        (f'"{"x" * 200_000}",b', "is no CSV that can be meant: field larger than field limit"),
+        (f'"{"x" * 200_000}",b', "is not valid CSV: field larger than field limit"),
         (f"distance_mm,depth_std_mm\n{'9' * 200_000},1", "field larger than field limit"),
         (f"{'a,' * 400_000}\n", "column distance_mm is missing (found a, a, a"),
         ("distance_mm,depth_std_mm\n" + "1000,1\n" * 20_000, "number of rows 20001: must be <= 10,000"),

@@ -125,7 +125,7 @@ def test_resolutions_and_points() -> None:
         ("50:500:10/3", ["a:b:step or a:b/count"]),
         ("1:2:3:4", ["a:b:step or a:b/count"]),
         ("1:2,3", ["not both"]),
-        ("50mm,5cm", ["50 mm stands there twice"]),
+        ("50mm,5cm", ["50 mm is given twice"]),
         ("nan", ["nan", "finite"]),
         ("50:inf", ["inf", "finite"]),
         ("-infinity", ["finite"]),

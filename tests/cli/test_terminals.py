@@ -90,7 +90,7 @@ def test_a_fault_is_one_line_and_a_file(
     assert run(DEPTH) == 1
     told = capfd.readouterr().err
     (file,) = tmp_path.glob("rigsim-fault-*.txt")
-    assert told.startswith("rigsim: error: a fault of rigsim's own in `rigsim calc depth")
+    assert told.startswith("rigsim: error: an internal error of rigsim in `rigsim calc depth")
     assert str(file) in told
     assert told.count("\n") == 1
     written = file.read_text(encoding="utf-8")

@@ -181,7 +181,9 @@ def test_one_that_breaks_somewhere_is_told_and_the_rest_goes_on() -> None:
 def test_lost_points_are_told() -> None:
     result = compare(QUICK, {"optimal": OPTIMAL, "loses": every_fourth_lost})
     assert (result.rows["failed_share"][result.rows["triangulator"] == "loses"] == 0.25).all()
-    assert "loses loses 25 % of the points in rectified at 0.5 px, where noise must lose 0 %." in said(result)
+    assert "loses loses 25 % of the points in rectified at 0.5 px, where noise alone loses 0 %." in said(
+        result
+    )
     assert "optimal loses" not in said(result)
 
 

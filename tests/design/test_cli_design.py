@@ -216,7 +216,7 @@ def test_preference_changes_the_pick(capsys: pytest.CaptureFixture[str]) -> None
         ([*ASKED, "--min-overlap", "80%@4m"], 2, "outside the range"),
         ([*ASKED, "--min-overlap", "80%@1"], 2, "Write the unit"),
         ([*ASKED, "--class", "cast"], 2, "printed, machined, calibrated"),
-        ([*ASKED, "--sensor", "imx264,IMX264"], 2, "stands there twice"),
+        ([*ASKED, "--sensor", "imx264,IMX264"], 2, "is given twice"),
         ([*ASKED, "--image-noise", "1,2"], 2, "takes one"),
         ([*ASKED, "--measure", "circles"], 2, "choose one of auto"),
         ([*ASKED, "--depth-error", "-5mm"], 2, "must be"),

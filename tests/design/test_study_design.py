@@ -176,7 +176,7 @@ def test_what_the_simulation_denies_is_not_verified_and_the_next_is_taken() -> N
     assert [proof.verified for proof in proofs] == [False] * (len(proofs) - 1) + [True]
     assert baselines_m[-1] > 2 * first.interval.lower.baseline_m > baselines_m[-2]
     close(proofs[0].checks[0].simulated, 2 * first.far_error_m, rtol=0.03)
-    assert "asked for 60 mm" in outcome(proofs[0])
+    assert "required is 60 mm" in outcome(proofs[0])
     denied_then_kept = Design(
         design.specification,
         design.intervals,

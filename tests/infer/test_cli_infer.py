@@ -168,7 +168,7 @@ def test_people_get_tables_that_fit(
         ("--claim=-1mm@4m --preset oak-d", "depth error -1 mm: must be > 0"),
         ("--claim 1%@-4m --preset oak-d", "distance -4000 mm: must be > 0"),
         ("--claim 1% --preset oak-d", "claim 1%: write error@distance, as in 1%@4m"),
-        ("--claim 1%@4m,2%@4m --preset oak-d", "4m stands there twice"),
+        ("--claim 1%@4m,2%@4m --preset oak-d", "4m is given twice"),
         ("--claim 11:13m@10m --preset oak-d", "10m must lie between the two bounds"),
         ("--claim 1%@0m --preset oak-d", "distance 0 mm: must be > 0"),
         ("--claim 0%@4m --preset oak-d", "percent of the distance must be > 0 and <= 100"),

@@ -64,7 +64,7 @@ def test_anchors_that_people_write_are_read() -> None:
 
 
 def test_a_key_twice_is_refused() -> None:
-    with pytest.raises(InvalidRig, match="line 3: K1 stands there twice"):
+    with pytest.raises(InvalidRig, match="line 3: K1 is given twice"):
         yaml_table("K1: 1\nb: 2\nK1: 3")
 
 

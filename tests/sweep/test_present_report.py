@@ -232,7 +232,7 @@ def test_a_flagged_measurement_is_named_beside_its_witness() -> None:
     page = Page(report_html(result))
     verdict = next(row for row in page.rows["witnesses"] if row and row[0] == "Verdict")
     assert verdict[2] == "✓ agrees"
-    assert verdict[3] == "⚠ flagged: measured errors are 1.8 times what they claim"
+    assert verdict[3] == "⚠ flagged: measured errors are 1.8 times their own estimate"
     assert "Three witnesses agree" not in page.text
 
 

@@ -224,7 +224,7 @@ def test_a_claim_is_held_to_its_errors(n: int, std: float, kind: str):
 
 def test_a_cautious_claim_is_told_as_such():
     errors = 0.47 * np.random.default_rng(1).standard_normal(1000)
-    assert "too cautious a claim to confirm" in text(measured(errors))
+    assert "that estimate is too cautious to confirm" in text(measured(errors))
 
 
 def test_a_tenth_of_outlandish_errors_moves_no_verdict():

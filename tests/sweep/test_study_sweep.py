@@ -197,7 +197,7 @@ def test_rigs_without_overlap_are_untold_among_others(scene: str):
     result = sweep(RigGrid(RIG, baselines_m=(0.2, 7.0, 40.0)), plan(scene))
     agreement = spelled(result.rows)["agreement"]
     assert agreement[0] == "agrees"
-    assert agreement[1] == "untold: left and right share nothing"
+    assert agreement[1] == "untold: left and right see nothing in common"
     assert agreement[2].startswith("untold: ")
     assert "sees nothing" in agreement[2]  # its left camera stands 20 m aside
     assert result.agrees
@@ -208,7 +208,7 @@ def test_rigs_without_overlap_are_untold_among_others(scene: str):
 
 def test_no_overlap_anywhere_is_an_error(scene: str):
     with pytest.raises(
-        InvalidScene, match=r"no rig has a result \(left and right share nothing\).*--baseline"
+        InvalidScene, match=r"no rig has a result \(left and right see nothing in common\).*--baseline"
     ):
         sweep([StereoRig.rectified(LENS, 7.0)], plan(scene))
 

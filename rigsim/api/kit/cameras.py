@@ -82,7 +82,7 @@ class CameraOptions:
             chip = sensor_preset(str(name))
             if chip in chips:
                 names = ",".join(self.sensors)
-                raise InvalidRange(f"sensor {names}: {chip.name} stands there twice; remove one")
+                raise InvalidRange(f"sensor {names}: {chip.name} is given twice; remove one")
             chips.append(chip)
         return chips
 

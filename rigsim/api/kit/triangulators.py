@@ -23,7 +23,7 @@ def named(methods: Method | Sequence[Method], what: str = "triangulator") -> tup
     """One or several, each once.
 
     Raises:
-        InvalidRange: one is neither a name nor a function, or stands there twice.
+        InvalidRange: one is neither a name nor a function, or is given twice.
     """
     found: list[Method] = []
     for method in given.several(methods):

@@ -213,8 +213,8 @@ def _residual_facts(residual: float, noise: PixelNoise) -> list[Fact]:
     residual = residual if residual > 1e-9 else 0.0
     sigmas = residual / noise.std_px if noise.std_px else math.nan if residual else 0.0
     return [
-        Fact("residual_px", "residual", residual, "px", "left and right pixel off any one point"),
-        Fact("residual_sigma", "residual / noise", sigmas, "", "over 3 is odd, for a matching pair"),
+        Fact("residual_px", "residual", residual, "px", "reprojection error of the pixel pair"),
+        Fact("residual_sigma", "residual / noise", sigmas, "", "over 3 is unusual for a matching pair"),
     ]
 
 

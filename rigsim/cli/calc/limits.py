@@ -32,7 +32,7 @@ class LimitsWords:
         typer.Option(
             "--z",
             metavar="LENGTHS",
-            help="Distances Z along the left optical axis at which overlap and depth step are told: 1,3m.",
+            help="Distances Z along the left optical axis at which overlap and depth step are given: 1,3m.",
         ),
     ] = "1m"
     disparities: Annotated[
@@ -61,7 +61,7 @@ class LimitsWords:
 @takes_rig
 @takes(LimitsWords)
 def limits(options: RigOptions, words: LimitsWords) -> None:
-    """Tell what a rig can see at all: depth range, overlap, blind zone, depth step.
+    """Say what a rig can see: depth range, overlap, blind zone, depth step.
 
     Every Z counts along the left camera's optical axis.
     """
@@ -195,9 +195,9 @@ def _facts_at(rig: StereoRig, depth_mm: float) -> list[Fact]:
         Fact(
             "overlap_height", "overlap height", float(overlap.height_m) * 1e3, "mm", "seen by both at this Z"
         ),
-        Fact("dead_band_px", "dead band", dead_px, "px", "left columns that share nothing at this Z"),
+        Fact("dead_band_px", "dead band", dead_px, "px", "left columns the right camera does not see"),
         Fact("dead_band", "dead band width", band_mm, "mm", "the same in the scene"),
-        Fact("dead_rows_px", "dead rows", dead_rows, "px", "left rows that share nothing at this Z"),
+        Fact("dead_rows_px", "dead rows", dead_rows, "px", "left rows the right camera does not see"),
         Fact("depth_step", "depth step", step_mm, "mm", "of one pixel of disparity at this Z"),
     ]
 

@@ -29,7 +29,7 @@ class DesignWords:
         typer.Option(
             metavar="ERROR[@DISTANCE]",
             help="Depth error allowed, root mean square of one rig with its noise: 10mm@3m, 1%, 1%@2m; "
-            "p95:20mm@3m for the 95th percentile. At the far end unless said. May be given "
+            "p95:20mm@3m for the 95th percentile. At the far end by default. May be given "
             "several times.",
         ),
     ]
@@ -72,21 +72,21 @@ class DesignWords:
         typer.Option(
             metavar="%[@DISTANCE]",
             help="Share of the left image that the right camera sees, at least: 80%, 80%@1m. At the near end "
-            "unless said, where it is 50% when nothing is asked. May be given several times.",
+            "by default, where it is 50% when nothing is asked. May be given several times.",
         ),
     ] = None
     nearest_focus: Annotated[
         str | None,
-        typer.Option(metavar="LENGTH", help="Nearest distance at which the lenses draw sharply: 0.3m."),
+        typer.Option(metavar="LENGTH", help="Nearest distance in focus: 0.3m."),
     ] = None
-    max_pixels: Annotated[str | None, typer.Option(metavar="MP", help="Most pixels of one image: 2MP.")] = (
-        None
-    )
+    max_pixels: Annotated[
+        str | None, typer.Option(metavar="MP", help="Maximum pixels of one image: 2MP.")
+    ] = None
     prefer: Annotated[
         str,
         typer.Option(help="smallest (baseline), cheapest (fewest pixels, then baseline) or most-accurate."),
     ] = "cheapest"
-    scene: Annotated[str, typer.Option(help="Where the pick is proved: a bundled scene, or MJCF.")] = "boards"
+    scene: Annotated[str, typer.Option(help="Scene to verify the rig in: a bundled one, or MJCF.")] = "boards"
     no_proof: Annotated[
         bool, typer.Option("--no-proof", help="Formulas only: nothing is rendered or simulated.")
     ] = False
@@ -118,7 +118,7 @@ class DesignWords:
 
 @takes(DesignWords)
 def design(words: DesignWords) -> None:
-    """Find the rigs that meet requirements, recommend one, and prove it by simulation.
+    """Find the rigs that meet requirements, recommend one, and verify it by simulation.
 
     Says which requirement binds at each end of the baselines allowed; when nothing is feasible, which one to
     relax and by how much. Exit code 3 when the simulation confirms none of the rigs tried.

@@ -55,7 +55,7 @@ def unforeseen(error: BaseException, words: list[str]) -> str:
         where = f"the details are in {path}; please report them"
     except OSError as problem:
         where = f"the details could not be written ({problem.strerror or problem})"
-    return f"a fault of rigsim's own in `{doing}` ({says}): {where}"
+    return f"an internal error of rigsim in `{doing}` ({says}): {where}"
 
 
 def _interrupt(number: int, _frame: FrameType | None) -> None:

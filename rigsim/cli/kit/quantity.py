@@ -63,7 +63,7 @@ def values(text: str, kind: QuantityKind) -> tuple[float, ...]:
         listed = tuple(_bounded(part, kind) for part in _parts(text.split(","), kind))
         if len(set(listed)) < len(listed):
             twice = next(item for place, item in enumerate(listed) if item in listed[:place])
-            raise InvalidRange(f"{kind.name} {text}: {_say(twice, kind)} stands there twice; remove one")
+            raise InvalidRange(f"{kind.name} {text}: {_say(twice, kind)} is given twice; remove one")
         return listed
     if "," in text:
         raise InvalidRange(f"{kind.name} {text}: a range or a list, not both; write a:b or a,b,c")
@@ -133,7 +133,7 @@ def resolutions(text: str) -> tuple[tuple[int, int], ...]:
         if width < 1 or height < 1:
             raise InvalidRange(f"resolution {width}x{height} px: width and height must be >= 1")
         if (width, height) in sizes:
-            raise InvalidRange(f"resolution {text}: {width}x{height} stands there twice; remove one")
+            raise InvalidRange(f"resolution {text}: {width}x{height} is given twice; remove one")
         sizes.append((width, height))
     return tuple(sizes)
 

@@ -40,7 +40,7 @@ class CalcPointDocument(Part):
     """A point seen in both images, in the left camera's frame."""
 
     seen_by: SeenBy
-    """Whose image holds its pixel; unless both do, no depth error is told."""
+    """Whose image holds its pixel; unless both do, no depth error is given."""
     uv_origin: Literal["first pixel", "optical axis"]
     """Where pixels count from: the optical axis where neither image size nor principal point is known."""
     x: float
@@ -52,7 +52,7 @@ class CalcPointDocument(Part):
     disparity_px: float
     """``u_left - u_right``, px."""
     residual_px: float
-    """How far the two pixels are from the images of any one point, px in all: over sqrt(2) the rows'
+    """Reprojection error of the pixel pair, px in all: over sqrt(2) the rows'
     difference when rectified."""
     residual_sigma: float | None
     """The same over the noise of a pixel coordinate; null without noise."""
@@ -78,7 +78,7 @@ class LimitsAt(Part):
     overlap_share: float
     """Share of the left image's pixels whose points at this Z the right camera sees too, 0 to 1."""
     overlap_width: float
-    """Extent, along the left image's rows, of what both see at this Z, mm; 0 where they share nothing."""
+    """Extent, along the left image's rows, of what both see at this Z, mm; 0 where that is nothing."""
     overlap_height: float
     """The same along its columns, mm."""
     dead_band_px: float
@@ -105,7 +105,7 @@ class CalcLimitsDocument(Part):
     overlap_vfov_deg: float
     """The same, vertical."""
     blind_zone: float | None
-    """Z before which no point at all is seen by both, mm; null when they never share a point."""
+    """Z before which no point at all is seen by both, mm; null when they see no point in common."""
     min_depth: float | None
     """Depth of the largest disparity searched, mm; null for a rig that is not rectified, or where no shift
     will do."""

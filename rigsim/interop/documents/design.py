@@ -172,7 +172,7 @@ class CountedYield(Part):
     as_built_enough: bool | None
     """Whether at least 95 of 100 are good; null where that is not told."""
     recalibrated: float
-    """Share after a recalibration that knows nothing beforehand, 0 to 1."""
+    """Share after a recalibration that does not use the tolerances, 0 to 1."""
     recalibrated_se: float
     """Its standard error."""
     recalibrated_rigs: int

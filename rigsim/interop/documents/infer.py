@@ -85,7 +85,7 @@ class Carried(Part):
 
 
 class Transfer(Part):
-    """The noise carried over to another rig."""
+    """The same noise on another rig."""
 
     rig: Rig
     rows: list[Carried]

@@ -45,7 +45,7 @@ class Region(Wrong):
     """Errors of the dense disparities over one region."""
 
     n: int | None
-    """Pixels with a truth."""
+    """Pixels with ground truth."""
     invalid_pct: float | None
     """Share of them without a disparity, percent."""
     fill_pct: float | None

@@ -39,7 +39,7 @@ class Yield(Part):
     as_built: float
     """With the calibration they were meant to have."""
     recalibrated: float | None
-    """After a recalibration that knows nothing beforehand; null without it."""
+    """After a recalibration that does not use the tolerances; null without it."""
     recalibrated_informed: float | None
     """After one that knows the tolerances beforehand; null without it."""
 
@@ -50,7 +50,7 @@ class YieldAlone(Part):
     as_built: float
     """With the calibration they were meant to have."""
     recalibrated: float | None
-    """After a recalibration that knows nothing beforehand; null without it."""
+    """After a recalibration that does not use the tolerances; null without it."""
     recalibrated_informed: float | None
     """After one that knows the tolerances beforehand; null without it."""
 
@@ -151,7 +151,7 @@ class Depth(Part):
     per_rig_with_noise_p95_mm: float | None
     """95th percentile with pixel noise, mm."""
     recalibrated_p50_mm: float | None
-    """Median after a recalibration that knows nothing beforehand, mm; null without it."""
+    """Median after a recalibration that does not use the tolerances, mm; null without it."""
     recalibrated_p95_mm: float | None
     """95th percentile after it, mm."""
     recalibrated_with_noise_p50_mm: float | None

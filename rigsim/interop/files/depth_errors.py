@@ -37,7 +37,7 @@ def read_depth_errors(path: Path) -> ErrorsByDistance:
         # every row at once: what the reader cannot split is found here
         rows = [(reader.line_num, row) for row in reader]
     except csv.Error as error:
-        raise InvalidRange(f"{path}: is no CSV that can be meant: {error}") from None
+        raise InvalidRange(f"{path}: is not valid CSV: {error}") from None
     extent.DISTANCES.check(max(1, len(rows)))
     head = [name.strip() for name in rows[0][1]] if rows else []
     for name in _NEEDED:

@@ -161,13 +161,13 @@ def _read(path: Path, parse: Callable[[str], _T]) -> _T:
 
 def _table(text: str) -> dict[str, object]:
     if any(line.count(".") > _MOST_DOTS for line in text.splitlines()):
-        raise InvalidRig(f"is not TOML that can be meant: a line with more than {_MOST_DOTS} points")
+        raise InvalidRig(f"is not TOML: a line with more than {_MOST_DOTS} points")
     try:
         return tomllib.loads(text, parse_float=Decimal)
     except ArithmeticError:
         raise InvalidRig(f"a number is too large: must be within +-{LARGEST:g}") from None
     except RecursionError:
-        raise InvalidRig("is not TOML that can be meant: brackets are nested too deep") from None
+        raise InvalidRig("is not TOML: brackets are nested too deep") from None
     except ValueError as error:
         raise InvalidRig(f"is not TOML: {' '.join(str(error).split())[:200]}") from None
 

@@ -22,7 +22,7 @@ class _Loader(yaml.SafeLoader):
     """Plain values and OpenCV's matrices; nothing that runs, and no key twice."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, object]:
-        """A table; a key that stands there twice is an error, as in TOML.
+        """A table; a key that is given twice is an error, as in TOML.
 
         Raises:
             InvalidRig: it does.
@@ -31,7 +31,7 @@ class _Loader(yaml.SafeLoader):
         for key, _ in node.value:
             if isinstance(key, yaml.ScalarNode) and key.tag != _MERGE:
                 if key.value in seen:
-                    raise InvalidRig(f"line {key.start_mark.line + 1}: {shown(key.value)} stands there twice")
+                    raise InvalidRig(f"line {key.start_mark.line + 1}: {shown(key.value)} is given twice")
                 seen.add(key.value)
         return super().construct_mapping(node, deep)
 

@@ -124,7 +124,7 @@ def _entries(looks: dict[str, _Style]) -> list[tuple[Artist, str]]:
     ]
     band = Patch(facecolor=style.LIGHT_GREY, edgecolor="none")
     must = Line2D([], [], color=style.GREY, linewidth=0.9)
-    return [*entries, (must, "what noise must do"), (band, "95 % at the bound")]
+    return [*entries, (must, "what noise alone does"), (band, "95 % at the bound")]
 
 
 def _legend_lines(entries: list[tuple[Artist, str]]) -> int:

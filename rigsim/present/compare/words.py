@@ -34,7 +34,7 @@ def headline(result: ComparisonResult) -> str:
             if everywhere
             else f"{listed(partly)} {_verb(partly, 'stay')} within noise of the bound, not run everywhere"
         )
-    lead = ", ".join(said) or f"None stays within noise of the bound {where}"
+    lead = ", ".join(said) or f"No triangulator stays within noise of the bound {where}"
     bad = [label for label in labels if label not in good]
     worst = _worst(rows[off & rows["pixel_error_over_bound"].notna()])
     if not bad:
@@ -91,12 +91,13 @@ def _against_first(result: ComparisonResult) -> list[str]:
     if not said:
         return []
     return [
-        f"Within noise of the bound, but surely more than {first}'s error for the same noise: {listed(said)}."
+        f"Within noise of the bound, but significantly above {first}'s error for the same noise: "
+        f"{listed(said)}."
     ]
 
 
 def _biases(result: ComparisonResult) -> list[str]:
-    """The largest bias of each triangulator that is surely one, beyond what lost points leave."""
+    """The largest bias of each triangulator that is surely one, beyond the bias that lost points cause."""
     rows = result.rows
     beyond = rows["depth_bias_over_std"] - rows["expected_depth_bias_over_std"]
     sure = beyond.abs() > quantile(result) * rows["depth_bias_over_std_se"]
@@ -107,7 +108,7 @@ def _biases(result: ComparisonResult) -> list[str]:
             row = rows.loc[mine.abs().idxmax()]
             value, se = float(mine[row.name]), row["depth_bias_over_std_se"]
             lost = row["expected_failed_share"] > _LOST
-            beside = ", beyond what lost points leave" if lost else ""
+            beside = ", beyond the bias that lost points cause" if lost else ""
             side = "far" if value > 0 else "near"
             said.append(
                 f"{label}'s points are too {side} by up to {_pair(abs(value), se)} σ of depth,"
@@ -133,9 +134,9 @@ def _failures(result: ComparisonResult) -> list[str]:
             row = rows.loc[mine.abs().idxmax()]
             said.append(
                 f"{label} loses {100 * row['failed_share']:.3g} % of the points in {_place(row)}, where noise"
-                f" must lose {100 * row['expected_failed_share']:.3g} %."
+                f" alone loses {100 * row['expected_failed_share']:.3g} %."
             )
-    return said or ["Every triangulator loses as many points as noise must lose."]
+    return said or ["Every triangulator loses as many points as noise alone would."]
 
 
 def _speeds(result: ComparisonResult) -> list[str]:

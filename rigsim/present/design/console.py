@@ -33,9 +33,9 @@ def sentences(design: Design, proofs: Sequence[Proof]) -> tuple[str, ...]:
     pick = recommended(design, proofs)
     low, high = pick.interval.lower, pick.interval.upper
     said = [
-        f"With this camera any baseline from {words.size(low.baseline_m, 4)} to "
-        f"{words.size(high.baseline_m, 4)} will do if cameras are built without error: shorter fails "
-        f"{words.whole(low.requirement)}, longer fails {words.whole(high.requirement)}.",
+        f"Without build errors, this camera meets all requirements at any baseline from "
+        f"{words.size(low.baseline_m, 4)} to {words.size(high.baseline_m, 4)}: a shorter one fails "
+        f"{words.whole(low.requirement)}, a longer one fails {words.whole(high.requirement)}.",
         f"The recommended baseline is {pick.margin * 100:.2g} % from its nearest limit"
         + ("; the interval is too narrow for more." if pick.is_tight else "."),
         _budget(pick, design.specification),
@@ -50,8 +50,8 @@ def sentences(design: Design, proofs: Sequence[Proof]) -> tuple[str, ...]:
     own = next((p for p in proofs if p.candidate == pick), None)
     if own is not None and own.method == "corners" and spec.noise_source != "measured":
         said.append(
-            "What is measured are corners of calibration boards, the most exact points there are: surfaces "
-            "come nearer to the noise simulated."
+            "The measured points are corners of calibration boards, which are located most exactly; errors "
+            "on ordinary surfaces are closer to the simulated ones."
         )
     said.append(f"Pixel noise {spec.noise_px:.3g} px per coordinate: {spec.noise_says}.")
     n = len(design.feasible)
@@ -64,12 +64,12 @@ def sentences(design: Design, proofs: Sequence[Proof]) -> tuple[str, ...]:
 def _budget(pick: Candidate, spec: Specification) -> str:
     noise, wanted = 100 * pick.noise_share, 100 * spec.build_share
     said = (
-        f"Noise takes {noise:.3g} % of the variance of the depth error asked for, {100 - noise:.3g} % is "
-        "left for what the build errs"
+        f"Pixel noise takes {noise:.3g} % of the allowed variance of the depth error; {100 - noise:.3g} % is "
+        "left for build errors"
     )
     if pick.keeps_share:
         return f"{said} (--build-share {wanted:.3g}%)."
-    return f"{said}: less than the {wanted:.3g} % of --build-share, which no rig here leaves."
+    return f"{said}: less than the {wanted:.3g} % of --build-share, which no rig here reaches."
 
 
 def requirement_rows(design: Design, proofs: Sequence[Proof]) -> list[tuple[str, ...]]:
@@ -116,7 +116,7 @@ def shown_by_words(design: Design, proofs: Sequence[Proof]) -> str:
     said = [f"{names} {_SHOWN_BY[shown_by]}" for shown_by, names in found.items() if names]
     said += [
         f"{words.name(c.requirement)} from points at "
-        f"{words.span(c.nearest_m, c.farthest_m)}, the nearest there are"
+        f"{words.span(c.nearest_m, c.farthest_m)}, the nearest available"
         for c in checks
         if c.is_widened
     ]
@@ -125,9 +125,9 @@ def shown_by_words(design: Design, proofs: Sequence[Proof]) -> str:
 
 _SHOWN_BY = {
     "points": "from points of the scene near that distance",
-    "plane": "from a plane at that distance, which the scene has not",
-    "rays": "from the rays at the pictures' borders",
-    "pictures": "from the pictures drawn",
+    "plane": "from a plane at that distance: the scene has no surface there",
+    "rays": "from the rays at the image borders",
+    "pictures": "from the rendered pictures",
     "cameras": "from the cameras as placed",
 }
 

@@ -130,7 +130,7 @@ def pareto_figure(design: Design, pick: Candidate) -> Figure:
     with style.styled():
         figure = style.new_figure(style.PAGE_WIDTH_IN, _BOTTOM + _HEIGHT + 0.35)
         axes = style.place(figure, _LEFT, _BOTTOM, _WIDTH, _HEIGHT)
-        axes.set_title("What is to be had for what", pad=8)
+        axes.set_title("Trade-offs between feasible rigs", pad=8)
         beaten = [c for c in design.candidates if c not in design.pareto]
         for candidates, filled in ((beaten, False), (design.pareto, True)):
             if candidates:
@@ -183,7 +183,7 @@ def pareto_figure(design: Design, pick: Candidate) -> Figure:
 
 
 def plan_figure(design: Design, pick: Candidate, proofs: Sequence[Proof]) -> Figure:
-    """The pick from above, with the points of its proof, the working range, and the coverage asked for."""
+    """The pick from above, with the points of its proof, the working range, and the required coverage."""
     spec = design.specification
     show = next((p.show for p in proofs if p.candidate == pick), None)
     if show is not None:
@@ -220,7 +220,7 @@ def plan_figure(design: Design, pick: Candidate, proofs: Sequence[Proof]) -> Fig
             axes.text(
                 0.0,
                 asked.depth_m,
-                "coverage asked for",
+                "required coverage",
                 color=style.INK,
                 fontsize=9,
                 ha="center",

@@ -70,12 +70,13 @@ def _tolerance_part(tolerance: DesignTolerance) -> dict[str, Any]:
     result = tolerance.result
     required_m = result.required.error_m
     at = words.distance(result.required.depth_m)
-    noise = f"Pixel noise alone errs {words.size(tolerance.noise_error_m)} at {at}, root mean square. "
+    size = words.size(tolerance.noise_error_m)
+    noise = f"Pixel noise alone causes an error of {size} at {at}, root mean square. "
     left_m2 = required_m**2 - tolerance.noise_error_m**2
     if left_m2 > 0 and not result.required.p95:
         noise += (
-            f"The two add as squares: a rig whose build errs {words.size(math.sqrt(left_m2))} over the image "
-            f"keeps {words.size(required_m)} in all."
+            f"The two add as squares: a rig with build errors of {words.size(math.sqrt(left_m2))} over "
+            f"the image has {words.size(required_m)} in all."
         )
     return {
         "says": tolerance.says,
@@ -110,7 +111,7 @@ def data_sheet(design: Design, pick: Candidate) -> list[tuple[str, str]]:
     lens = pick.rig.left
     low, high = (words.size(end.baseline_m, 4) for end in (pick.interval.lower, pick.interval.upper))
     return [
-        ("Cameras", "two of the same, with two of the same lens"),
+        ("Cameras", "two of the same model, with the same lens"),
         *_to_buy(camera),
         ("Image", f"{camera.width_px} × {camera.height_px} px, {camera.pixels / 1e6:.2f} MP"),
         ("Focal length", f"{camera.focal_px:.5g} px{_in_mm(camera)}"),

@@ -53,13 +53,14 @@ def _objection(found: Objection, scene: str) -> str:
     asked = held.requirement
     if found.kind == "too-few-points":
         return (
-            f"`{scene}` has too few points near {labels.distance(asked.depth_m)}, which no baseline changes; "
+            f"`{scene}` has too few points near {labels.distance(asked.depth_m)} at any baseline; "
             "choose another --scene"
         )
-    simulated = f"the {labels.name(asked)} simulates to {labels.value(asked, held.simulated, 3)}"
+    simulated = f"the simulated {labels.name(asked)} is {labels.value(asked, held.simulated, 3)}"
     if found.kind == "missed":
-        return f"{simulated}, asked for {labels.value(asked, asked.limit, 3)}"
+        return f"{simulated}, required is {labels.value(asked, asked.limit, 3)}"
     return (
-        f"{simulated} as asked for, but measures {labels.value(asked, held.measured, 3)} in the pictures "
-        f"({held.n_measured} matches), more than the {labels.value(asked, asked.limit, 3)} allowed"
+        f"{simulated} as required, but the measured one is {labels.value(asked, held.measured, 3)} "
+        f"({held.n_measured} matches in the pictures), more than the "
+        f"{labels.value(asked, asked.limit, 3)} allowed"
     )

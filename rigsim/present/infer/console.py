@@ -86,7 +86,7 @@ def _print_carried(carried: Transfer) -> None:
         carried.depths_m, carried.stds_m, carried.lows_m, carried.highs_m, carried.trusted, strict=True
     )
     print_table(
-        f"Carried over: baseline {length(carried.rig.baseline_m)}, focal {number(lens.fx, 4)} px",
+        f"Same noise, other rig: baseline {length(carried.rig.baseline_m)}, focal {number(lens.fx, 4)} px",
         ("distance", "depth std", "from", "to", "note"),
         [
             (*map(length, lengths), "" if trusted else "disparity under 4 sigma")

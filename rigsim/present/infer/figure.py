@@ -80,7 +80,7 @@ def _draw_given(axes: Axes, inference: Inference, columns: int) -> None:
         label="given" if errors.counts is None else "given, with standard error",
         zorder=5,
     )
-    axes.set_title("What was given")
+    axes.set_title("Given errors")
     _finish(axes, fine, np.concatenate(drawn), columns)
     if errors.biases_m is not None:
         axes.set_xlabel("mean measured depth, m")
@@ -92,7 +92,7 @@ def _draw_carried(axes: Axes, inference: Inference, carried: Transfer) -> None:
     fine = _between(carried.depths_m)
     gain_mm = 1e3 * depth_gain(carried.rig, fine)
     drawn = [inference.disparity_std_px * gain_mm]
-    axes.plot(fine, drawn[0], color=style.PURPLE, label="stereo noise carried over")
+    axes.plot(fine, drawn[0], color=style.PURPLE, label="same stereo noise")
     if not math.isnan(inference.low_px):
         low_mm, high_mm = inference.low_px * gain_mm, inference.high_px * gain_mm
         axes.fill_between(fine, low_mm, high_mm, color=style.PURPLE, alpha=0.25, linewidth=0, label=_INTERVAL)

@@ -10,7 +10,8 @@ def sentence(inference: Inference) -> str:
     fit = inference.fit
     if fit is None:
         return (
-            "The law is untested: it takes three different distances to tell stereo noise from anything else."
+            "The law is untested: at least three different distances are needed to tell stereo noise from "
+            "other causes."
         )
     grows = (
         f"the error grows as distance to the power {fit.exponent:.2f}"
@@ -20,8 +21,8 @@ def sentence(inference: Inference) -> str:
         if fit.best == "quadratic":
             return f"Stereo noise can explain it: {grows}, and 2 is in that range."
         return (
-            f"Stereo noise may explain it: {grows}. A {fit.best} law fits a little better, but no more than"
-            " chance would."
+            f"Stereo noise may explain it: {grows}. A {fit.best} law fits a little better, but not"
+            " significantly."
         )
     if fit.best == "quadratic":
         return f"Not stereo noise alone: {grows}, and 2 is not in that range."

@@ -80,11 +80,11 @@ def _counted(agreement: Agreement) -> tuple[int, int]:
 
 def _astray(agreement: Agreement) -> str:
     n_astray, n_found = _counted(agreement)
-    return f"of {n_found} measured points {n_astray} are not what both cameras see"
+    return f"{n_astray} of {n_found} measured points are wrong matches"
 
 
 def _claim(agreement: Agreement) -> str:
-    return f"measured errors are {_number(agreement.ratio):.2g} times what they claim"
+    return f"measured errors are {_number(agreement.ratio):.2g} times their own estimate"
 
 
 def _unclear(agreement: Agreement) -> str:
@@ -99,20 +99,20 @@ _SAID: dict[Reason, Callable[[Agreement], str]] = {
     "not-exact": lambda one: f"simulated error of {_number(one.size_px):.2g} px where none is predicted",
     "spread": _spread,
     "mean": _mean,
-    "outliers": lambda one: f"{_percent(one.ratio)} of what was measured is not what both cameras see",
+    "outliers": lambda one: f"{_percent(one.ratio)} of the measured points are wrong matches",
     "worse-than-claimed": _claim,
     "no-points": lambda one: one.cause,
-    "nothing-shared": lambda _: "left and right share nothing",
+    "nothing-shared": lambda _: "left and right see nothing in common",
     "too-far": lambda _: f"every depth is below {LEAST_DEPTH_SIGMAS:g} of its standard deviations",
     "exact": lambda _: "without noise there is no error to compare; every point is found exactly",
-    "correlated": lambda _: "noise so correlated leaves no spread to test",
+    "correlated": lambda _: "with noise this correlated there is no scatter to test",
     "too-few-trials": lambda one: f"{_counted(one)[0]} triangulations are too few",
     "nothing-measured": lambda one: (
-        f"nothing was measured ({one.cause or 'no match of what both cameras see'})"
+        f"nothing was measured ({one.cause or 'no match on a surface that both cameras see'})"
     ),
     "too-few-measured": lambda one: f"{_counted(one)[0]} measured points are too few",
-    "claims-nothing": lambda _: "dense matching claims no accuracy that its measured error could be held to",
+    "claims-nothing": lambda _: "dense matching gives no error estimate to compare its measured error with",
     "many-astray": _astray,
-    "too-cautious": lambda one: f"{_claim(one)}: too cautious a claim to confirm",
+    "too-cautious": lambda one: f"{_claim(one)}: that estimate is too cautious to confirm",
     "unclear": _unclear,
 }

@@ -39,7 +39,7 @@ def _px(value_px: float) -> str:
 
 
 _METRICS: tuple[tuple[str, str, Callable[[float], str]], ...] = (
-    ("pixels with a truth", "n", count),
+    ("pixels with ground truth", "n", count),
     ("with a disparity, %", "fill_pct", _pct),
     ("wrong by > 0.5 px, %", "bad_0_5_pct", _pct),
     ("wrong by > 1 px, %", "bad_1_pct", _pct),
@@ -138,7 +138,7 @@ def _sentences(matches: PairMatches, rows: Finding) -> Iterator[str]:
             "deviations."
         )
     elif errors is not None:
-        yield "The truth knows none of them."
+        yield "No ground truth for these matches."
     judged = errors is not None and errors.inlier_std_px > 0
     said = "That scatter" if judged else "That RMS"
     yield f"{said} corresponds to --noise {matches.noise_px:.2g} in `rigsim sweep`."
@@ -190,7 +190,7 @@ def _print_boards(result: PairMeasurement, console: Console) -> None:
         for board in result.boards
     ]
     print_table(
-        "Boards by themselves: a ruler tells whether the squares are right",
+        "Boards on their own: check the square size with a ruler",
         ("board", "corners", "depth", "square", "its scatter", "off its plane, RMS"),
         rows,
         numeric=[True] * 6,

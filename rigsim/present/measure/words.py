@@ -10,7 +10,7 @@ from rigsim.study.measure.result import Finding, RowFit
 from rigsim.study.measure.rows import down, shift_words
 
 _ROWS = {"agrees": "the rows fit", "flagged": "see the warning", "untold": "not enough to tell"}
-_TRUST = "Depths and predicted accuracies are not to be trusted: calibrate or rectify again."
+_TRUST = "Do not trust depths and predicted accuracies: calibrate or rectify again."
 _MISREAD = {
     "sign": "looks like u_right - u_left: change its sign",
     "doffs": "looks like a disparity with doffs added: subtract it",
@@ -69,7 +69,7 @@ def _fault(rows: RowFit, rig: StereoRig) -> str:
     if rows.is_scaled:
         said.append(f"{'larger' if rows.growth > 0 else 'smaller'} by about {100 * abs(rows.growth):.2g} %")
     if not said:
-        return "They share no shift and no turn: wrong matches, or pictures not taken at one moment."
+        return "They share no shift and no turn: wrong matches, or pictures not taken at the same moment."
     if rows.is_shifted and len(said) == 1:
         return shift_words(rows.shift_px, rig)
     return f"The right picture is {', '.join(said[:-1])}{' and ' if len(said) > 1 else ''}{said[-1]}."
@@ -78,14 +78,15 @@ def _fault(rows: RowFit, rig: StereoRig) -> str:
 def _too_few_rows(finding: Finding, _: StereoRig) -> str:
     n, tried = (finding.numbers[name] for name in ("n", "n_tried"))
     return (
-        f"Whether the rows correspond is open: {n:.0f} of {tried:.0f} {finding.of} tell, which may be chance."
+        f"It is not known whether the rows correspond: only {n:.0f} of {tried:.0f} {finding.of} tell, "
+        "which may be chance."
     )
 
 
 def _uncertain_rows(finding: Finding, _: StereoRig) -> str:
     rows = _rows(finding)
     return (
-        f"Whether the rows correspond is open: {rows.n} matches tell the shift only to within "
+        f"It is not known whether the rows correspond: {rows.n} matches give the shift only to within "
         f"{3 * rows.shift_se_px:.2f} px."
     )
 
@@ -94,7 +95,7 @@ def _rows_fit(finding: Finding, _: StereoRig) -> str:
     rows = _rows(finding)
     return (
         f"The rows fit: the right picture is {abs(rows.shift_px):.3f} +- {rows.shift_se_px:.3f} px too "
-        f"{down(rows.shift_px)}, which is nothing."
+        f"{down(rows.shift_px)}, which is not significant."
     )
 
 
@@ -116,8 +117,8 @@ def _few(finding: Finding, _: StereoRig) -> str:
     n, tried, share = (finding.numbers[name] for name in ("n", "n_tried", "share_pct"))
     return (
         f"Only {n:.0f} of {tried:.0f} points ({share:.1f} %) found a match that can be trusted: is the "
-        "pair rectified as the rig says, taken at one moment, in focus, and of something with texture? What "
-        "matched may be chance."
+        "pair rectified as the rig says, taken at the same moment, in focus, and of something with texture? "
+        "The matches may be chance."
     )
 
 
@@ -162,9 +163,9 @@ _SAID: dict[tuple[str, str], Callable[[Finding, StereoRig], str]] = {
         "Against the truth, disparities are neither too large nor too small."
     ),
     ("along_rows", "open"): lambda *_: (
-        "What rows cannot tell is open: a picture shifted along its rows, a wrong baseline or a wrong focal "
-        "length leaves every match on its row and every depth wrong. Squares of a known side (--board with "
-        "--square) or a true disparity (--truth) tell."
+        "Rows do not show every error: a picture shifted along its rows, a wrong baseline or a wrong focal "
+        "length leaves every match on its row but makes every depth wrong. Check with squares of a known "
+        "side (--board with --square) or a true disparity (--truth)."
     ),
     ("along_rows", "no-board"): lambda *_: "No board was seen well enough to compare its squares.",
     ("along_rows", "squares-uncertain"): lambda finding, _: (
@@ -175,9 +176,7 @@ _SAID: dict[tuple[str, str], Callable[[Finding, StereoRig], str]] = {
         "scale is right."
     ),
     ("scale", "squares-off"): _squares_off,
-    ("no_patches", "corners-alone"): lambda finding, _: (
-        f"Corners alone were measured. Patches: {finding.of}."
-    ),
+    ("no_patches", "corners-alone"): lambda finding, _: f"Only corners were measured. Patches: {finding.of}.",
     ("few_matches", "few"): _few,
     ("dense_not_judged", "not-rectified"): lambda *_: (
         "The rig is not rectified: dense disparities belong to the rectified pair, and the truth does not, "

@@ -106,16 +106,16 @@ def _growth_words(result: SweepResult) -> str:
     """How the error of the rig on show grows with depth, as a sentence; empty where there is none."""
     bins = result.by_depth[row_of_bins(result.rows, result.by_depth) == result.showcase.row]
     words = growth_words(growth_of(bins))
-    return f"The error of the rig on show: {words}." if words else ""
+    return f"The error of the rig shown: {words}." if words else ""
 
 
 def _plan_words(result: SweepResult) -> str:
     show = result.showcase
     single = int((~show.visible).sum())
     words = (
-        f"Both cameras stand to scale, {length(show.rig.baseline_m)} apart. Each of the "
+        f"Both cameras are drawn to scale, {length(show.rig.baseline_m)} apart. Each of the "
         f"{count(show.visible.sum())} coloured points is a truth point that both cameras see; its colour "
-        "is the RMS of its depth error over all trials. The dark lines join places of equal predicted error."
+        "is the RMS of its depth error over all trials. The dark lines join points of equal predicted error."
     )
     if single:
         words += (

@@ -42,5 +42,5 @@ def same_words(result: SweepResult) -> str:
     missing = int((result.rows[col.DEPTH_RMSE].notna() & ~found.compared).sum())
     rows = "row does" if missing == 1 else "rows do"
     return f"at {distances(found.spans_mm)}, per pixel" + (
-        f"; {missing} {rows} not answer that" if missing else ""
+        f"; {missing} {rows} not cover them" if missing else ""
     )

@@ -85,8 +85,8 @@ def _far_limit(result: SweepResult) -> list[str]:
         return []
     return [
         f"Surfaces beyond {result.far_limit_m:.3g} m, up to {percent(result.beyond_fraction)} of a left "
-        "image, are left out: there no rig of this sweep has a depth of 4 of its standard deviations "
-        "(--range sets other limits)."
+        "image, are left out: there, the depth is under 4 of its standard deviations for every rig of this "
+        "sweep (--range sets other limits)."
     ]
 
 
@@ -101,7 +101,7 @@ def _choice(result: SweepResult) -> list[str]:
     )
     if found.second is None:
         return [sentence + "."]
-    word = "as good within what the points can tell" if found.is_tie else "next"
+    word = "equally good within sampling error" if found.is_tie else "next"
     return [f"{sentence}; {word}: {describe(rows.loc[found.second], result.swept)}, {mm(found.second_mm)}."]
 
 
@@ -168,8 +168,9 @@ def _averages(row: pd.Series) -> list[str]:
     if not pixels > 0:
         return []
     return [
-        f"Over everything that it answers, its depth error is {mm(pixels)} RMS per pixel of the left image, "
-        f"and {mm(balanced)} over points balanced over depth, where far ones count as much as near ones."
+        f"Over all points that both cameras see, its depth error is {mm(pixels)} RMS per pixel of the left "
+        f"image, and {mm(balanced)} over points balanced over depth, where far ones count as much as near "
+        "ones."
     ]
 
 
@@ -206,7 +207,7 @@ def _agreement(rows: pd.DataFrame) -> list[str]:
         for part, words in (
             (
                 rows[(kinds == "untold") & of_pictures],
-                "prediction and simulation agree, but there is not enough to tell of the measurement",
+                "prediction and simulation agree, but there is not enough to judge the measurement",
             ),
             (
                 rows[(kinds == "untold") & ~of_pictures],

@@ -29,7 +29,7 @@ _HEIGHT_IN = 3.6
 def print_tolerance(result: ToleranceResult, folder: Path | None = None) -> None:
     """Print the ranked table, the built rigs at each depth, and how many meet the requirement."""
     print_table(
-        f"Each quantity alone: depth error, mm, first order; what it takes for 95 of 100 rigs to keep"
+        f"Each quantity alone: depth error, mm, first order; what it takes for 95 of 100 rigs to stay within"
         f" {plain(result.required.error_m * 1e3)} mm at {plain(result.required.depth_m)} m"
         + (" with their noise" if result.noise_px else ""),
         quantity_heads(result),

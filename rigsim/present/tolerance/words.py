@@ -30,7 +30,7 @@ def interactions_sentence(result: ToleranceResult) -> str:
         f" {100 * error.first[place]:.1f} % alone)"
         for place in worst[:3]
     )
-    return f"Quantities act on one another: {named}. Shares of the first order do not say all."
+    return f"Quantities act on one another: {named}. First-order shares leave that out."
 
 
 def yield_sentence(result: ToleranceResult) -> str:
@@ -45,7 +45,7 @@ def yield_sentence(result: ToleranceResult) -> str:
         says += f" By their build alone {_percent(judged.built.good_alone)}"
         if judged.recalibrated is not None:
             says += f" and {_percent(judged.recalibrated.good_alone)}"
-        says += f" would; noise alone errs {judged.noise_mm:.3g} mm."
+        says += f" would; noise alone causes {judged.noise_mm:.3g} mm of error."
     return says
 
 
@@ -64,9 +64,9 @@ def informed_sentence(result: ToleranceResult) -> str:
         return ""
     plain, informed = (float(np.median(rigs.build_mm)) for rigs in (judged.recalibrated, judged.informed))
     return (
-        f"That recalibration knows nothing beforehand: its median rig errs {plain:.3g} mm by its build."
-        f" One that knew the tolerances would leave {informed:.3g} mm, and"
-        f" {_percent(judged.informed.good)} of the rigs good."
+        f"This recalibration does not use the tolerances: it leaves a build error of {plain:.3g} mm in the"
+        f" median rig. One that uses them would leave {informed:.3g} mm, and"
+        f" {_percent(judged.informed.good)} of the rigs would be good."
     )
 
 

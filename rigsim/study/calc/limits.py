@@ -62,4 +62,6 @@ def limit_remarks(rig: StereoRig, depths_m: Sequence[float]) -> Iterator[Remark]
                 if depth_m < blind_m
                 else "their fields of view part before that; turn them towards each other"
             )
-            yield Remark("nothing_shared", f"at Z = {depth_m * 1e3:g} mm the cameras share nothing: {way}")
+            yield Remark(
+                "nothing_shared", f"at Z = {depth_m * 1e3:g} mm the cameras see nothing in common: {way}"
+            )

@@ -117,8 +117,8 @@ def residual_remarks(
     rows = f" (the rows differ by {abs(uv_left[1] - uv_right[1]):.4g} px)" if rig.is_rectified else ""
     yield Remark(
         "residual",
-        f"the pixels are {residual:.4g} px{times}, from the images of any one point{rows}: a wrong match, or "
-        "a calibration error; the depth may be wrong by far more than its std",
+        f"the pixels have a reprojection error of {residual:.4g} px{times}{rows}: a wrong match, or a "
+        "calibration error; the depth may be wrong by far more than its std",
     )
 
 
@@ -150,7 +150,7 @@ def _sight(left: str, right: str, what: str) -> Sight:
         "both" if not left + right else "left" if not left else "right" if not right else "neither"
     )
     remarks = tuple(
-        Remark(f"not_seen_{name}", f"the {name} camera does not see {what}: {why}; no depth error is told")
+        Remark(f"not_seen_{name}", f"the {name} camera does not see {what}: {why}; no depth error is given")
         for name, why in (("left", left), ("right", right))
         if why
     )

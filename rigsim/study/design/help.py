@@ -25,7 +25,7 @@ from rigsim.study.tolerance.sensitivities import (
 )
 
 _TIGHTER = 10.0
-_HELD = " held to a tenth of what the class holds"
+_HELD = " held to a tenth of the class's tolerance"
 _SIGMAS = 2.5758  # a rise this many standard errors large is chance in one try of two hundred
 _LEAST_RISE = 0.02
 _POINTS = 32
@@ -103,17 +103,17 @@ def help_sentence(best: Best, tried: Sequence[Attempt]) -> str:
     if not tried:
         return ""
     how = "recalibrated" if best.recalibrated else "as built"
-    nearest = f"Nearest comes {best.name} {how}, {words.share(best.count.share)} %"
+    nearest = f"The closest is {best.name} {how}, {words.share(best.count.share)} %"
     enough = _shortest([item for item in tried if item.count.is_enough])
     if enough:
         said = "; or ".join(f"{item.says} ({words.share(item.count.share)} %)" for item in enough)
-        return f"{nearest}: it would do with {said}."
+        return f"{nearest}: enough would be {said}."
     helping = sorted((item for item in tried if item.helps(best.count)), key=lambda item: -item.count.share)
     if helping:
         said = ", ".join(f"{item.says} ({words.share(item.count.share)} %)" for item in helping)
-        return f"{nearest}; what helps, if not enough alone: {said}."
+        return f"{nearest}; these help, but not enough alone: {said}."
     said = ", ".join(item.says for item in tried)
-    return f"{nearest}; nothing that was tried helps: {said}. Ask for less, or leave more for the build."
+    return f"{nearest}; nothing that was tried helps: {said}. Relax the requirement, or raise --build-share."
 
 
 def _shortest(enough: Sequence[Attempt]) -> list[Attempt]:

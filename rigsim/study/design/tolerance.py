@@ -144,23 +144,23 @@ def _must_hold(result: ToleranceResult, asked: Asked) -> str:
     kept = f"{words.value(asked, asked.limit)}{p95} at {words.distance(asked.depth_m)}"
     worst = [item for item in result.sensitivities if math.isfinite(item.needed_equal_share)][:2]
     if not worst or worst[0].needed_equal_share == 0:
-        return f"Pixel noise alone errs more than {kept}: no build keeps that."
+        return f"Pixel noise alone exceeds {kept}: no build can meet it."
     hold = " and ".join(
         f"{QUANTITIES[item.key]} to {'±' * result.tolerances.is_bound(item.key)}"
         f"{item.needed_equal_share:.2g} {UNITS[item.key]}".rstrip()
         for item in worst
     )
     return (
-        f"For 95 of 100 rigs to keep {kept}, pixel noise included, every quantity may take an equal share of "
-        f"what noise leaves: {hold}."
+        f"For 95 of 100 rigs to stay within {kept}, pixel noise included, hold {hold} (when all quantities "
+        "take equal shares of the build error)."
     )
 
 
 def _who(yields: Sequence[ClassYield], class_name: str) -> str:
     own = next(item for item in yields if item.name == class_name)
     said = (
-        f"Of {class_name} rigs {words.share(own.as_built.share)} % keep it as built, "
-        f"{words.share(own.recalibrated.share)} % once each is recalibrated"
+        f"Of {class_name} rigs {words.share(own.as_built.share)} % meet it as built, "
+        f"{words.share(own.recalibrated.share)} % after recalibration"
     )
     for state, how in (("as_built", "as built"), ("recalibrated", "recalibrated")):
         for item in yields:
@@ -174,6 +174,6 @@ def _who(yields: Sequence[ClassYield], class_name: str) -> str:
                 low, high = count.interval
                 return (
                     f"{said}; not enough to tell whether class {item.name}, {how}, is enough: "
-                    f"{100 * low:.1f} to {100 * high:.1f} % of its rigs keep it, 95 % are asked for."
+                    f"{100 * low:.1f} to {100 * high:.1f} % of its rigs meet it, 95 % are required."
                 )
-    return f"{said}; no class is enough, which takes a yield of 95 %."
+    return f"{said}; no class is enough: a yield of 95 % is required."

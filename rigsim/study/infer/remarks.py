@@ -64,5 +64,5 @@ def _units(inference: Inference, units_written: bool) -> list[Remark]:
         question = f"are these metres? Columns are in mm; times 1000 the noise is {sigma / 1e3:.2g} px"
     elif not units_written and sigma < _LEAST_PX:
         question = "is the standard deviation in metres, and the distance in mm?"
-    text = f"a disparity noise of {sigma:.3g} px at {span}, where matchers have .05 to 2 px: {question}"
+    text = f"a disparity noise of {sigma:.3g} px at {span}, while matchers reach 0.05 to 2 px: {question}"
     return [Remark("unit", text)]

@@ -45,7 +45,7 @@ class _Sight:
 
 _NONE: dict[Reason, str] = {
     "all-failed": "every triangulation failed",
-    "nothing-shared": "left and right share nothing",
+    "nothing-shared": "left and right see nothing in common",
     "too-far": f"every depth is below {LEAST_DEPTH_SIGMAS:g} of its standard deviations",
 }
 

@@ -89,7 +89,7 @@ def measured_case(simulator: Simulator, rig: StereoRig, method: str, stream: Str
     if not kept.any():
         return f"{scene} {method}: {found.why or 'nothing was found that both cameras see'}"
     if kept.sum() < FEWEST_MATCHES:
-        return f"{scene} {method}: {kept.sum()} matches, too few to hold errors against"
+        return f"{scene} {method}: {kept.sum()} matches, too few to compare errors with"
     return Case(
         f"{scene} {method}",
         scene,
