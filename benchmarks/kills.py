@@ -30,7 +30,7 @@ rows = (folder / "observations.csv").read_text().splitlines()[1:]
 COMMANDS: dict[str, str] = {
     "sweep": "sweep --baseline 100,200 --points 50 --trials 3 --resolution 160x120 --measure none --jobs 2 "
     "--out out",
-    "design": "design --range 0.5:3m --depth-error 40mm@3m --fov 60deg --resolution 640x480 --no-proof --out out",
+    "design": "design --range 0.5:3m --depth-error 40mm@3m --resolution 640x480 --no-proof --out out",
     "verify": "verify --exec PROGRAM --scene none --cases rectified,doffs,verged --out out",
     "compare": "compare optimal dlt --geometry verged --points 500 --out out",
     "export": "export dataset --scene bin --resolution 160x120 --format middlebury --frames 2 --out out",
