@@ -108,7 +108,8 @@ def test_the_failing_triangulation_fails_as_shown(elsewhere: Path, capsys: pytes
 @pytest.mark.parametrize("path", DOCS, ids=lambda path: str(path.relative_to(ROOT)))
 def test_links_lead_somewhere(path: Path):
     for target in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", path.read_text()):
-        if not target.startswith(("http://", "https://")):
+        # the site makes its gallery when it is built
+        if not target.startswith(("http://", "https://", "../auto_gallery/")):
             assert (path.parent / target).exists(), f"{path.name}: {target}"
 
 
