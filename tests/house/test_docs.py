@@ -131,3 +131,9 @@ def test_nothing_in_the_repository_is_large():
     docs = [path for path in ROOT.glob("docs/**/*") if "_build" not in path.parts]
     for path in [*docs, *ROOT.glob("reports/gallery/**/*"), *ROOT.glob("models/**/*")]:
         assert not path.is_file() or path.stat().st_size < 2_000_000, path
+
+
+def test_the_page_of_design_shows_what_the_readme_shows():
+    page = (ROOT / "docs" / "reference" / "design.md").read_text()
+    (shown,) = [body for command, body in SHOWN if command.startswith("./run design")]
+    assert shown.replace("reports/design/", "reports/design-TIME/") in page
