@@ -27,7 +27,7 @@ BOUNDS: tuple[tuple[Any, str], ...] = (
     *((claims, name) for name in ("claim", "release", "temporary_name", "moved", "sweep")),
     (Extent, "check"),
 )
-"""What is only there to bound; reading the bytes of a file is counted, too, so the share is an upper limit."""
+"""What is only there to bound; reading the bytes of a file is counted, too: an upper limit."""
 RUNS = {
     "sweep": "sweep --baseline 50:500/4 --points 500 --trials 20 --out out --force",
     "sweep, own scene": "sweep --scene mine.xml --baseline 50:500/4 --points 500 --out out --force",
