@@ -33,7 +33,8 @@ RUNS = {
     "sweep, own scene": "sweep --scene mine.xml --baseline 50:500/4 --points 500 --out out --force",
     "render": "render --scene artifact --out pair --force",
     "measure": "measure pair/left.png pair/right.png --rig pair/rig.toml --out out --force",
-    "export dataset": "export dataset --scene bin --format middlebury --frames 2 --out out --force",
+    "export dataset": "export dataset --scene bin --resolution 320x240 --format kitti --frames 2 --out out "
+    "--force",
 }
 
 

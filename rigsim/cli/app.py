@@ -85,7 +85,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
     terminal.prepare()
     try:
         _check_words(words)
-        result = app(words, prog_name="rigsim", standalone_mode=False)
+        result = _called(words)
         if sys.stdout is not None:
             sys.stdout.flush()
     except RigsimError as error:
@@ -113,6 +113,15 @@ def run(arguments: Sequence[str] | None = None) -> int:
     finally:
         _release_claims()
     return ends.exit_code() if result == ends.INTERRUPTED else result if isinstance(result, int) else 0
+
+
+def _called(words: list[str]) -> object:
+    try:
+        return app(words, prog_name="rigsim", standalone_mode=False)
+    except Exception:
+        if ends.is_ending():
+            raise KeyboardInterrupt from None
+        raise
 
 
 def _check_words(words: list[str]) -> None:

@@ -13,6 +13,8 @@ from pathlib import Path
 import pytest
 
 from rigsim import programs
+from rigsim.cli import app
+from rigsim.cli.kit import ends
 from rigsim.errors import OutputError
 from rigsim.interop.files import claims, folder
 from tests.helpers.processes import is_alive
@@ -164,3 +166,19 @@ def work_while_somebody_fills(out: Path) -> None:
     with folder.folder_in_progress(out) as made:
         (made / "report.html").write_bytes(b"new")
         (out / "report.html").write_bytes(b"somebody's")
+
+
+def test_a_signal_while_an_extension_is_loaded_is_an_interrupt(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Its initialisation makes an ImportError of it."""
+    told: list[int] = []
+    monkeypatch.setattr(ends, "_ended_by", told)
+
+    def load(_backend: str) -> None:
+        told.append(signal.SIGTERM)
+        raise ImportError("initialization failed")
+
+    monkeypatch.setattr("rigsim.sim.backend.load_mujoco", load)
+    assert app.run(["render", "--scene", "artifact", "--renderer", "rays", "--out", "nowhere"]) == 143
+    assert capfd.readouterr().err == ""

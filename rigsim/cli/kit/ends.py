@@ -22,9 +22,14 @@ _ended_by: list[int] = []
 
 def listen() -> None:
     """Let SIGTERM and SIGHUP end a run as Ctrl-C does: what is open is closed, what was started is ended."""
-    for number in (signal.SIGTERM, signal.SIGHUP):
-        if signal.getsignal(number) is signal.SIG_DFL:
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
             signal.signal(number, _interrupt)
+
+
+def is_ending() -> bool:
+    """Whether a signal ends this run; extension modules that are being loaded make another error of it."""
+    return bool(_ended_by)
 
 
 def exit_code() -> int:
