@@ -100,7 +100,7 @@ def _killed(folder: Path, place: Path, name: str, sent: signal.Signals, after_s:
     what = f"{name}, {sent.name} after {after_s:.1f} s"
     time.sleep(max(0.0, end - time.monotonic()))
     wrong = [f"{what}: process {pid} ({words})" for pid, words in _marked(mark)]
-    wrong += [f"{what}: /dev/shm/{entry}" for entry in set(os.listdir("/dev/shm")) - shared]
+    wrong += [f"{what}: /dev/shm/{entry}" for entry in _unused(set(os.listdir("/dev/shm")) - shared)]
     wrong += [f"{what}: {entry}" for entry in temporary.rglob("*")]
     wrong += [f"{what}: {entry.name}" for entry in folder.glob(".rigsim*")]
     if "Traceback" in complained:
@@ -136,3 +136,14 @@ def _marked(mark: str) -> list[tuple[int, str]]:
         except OSError:
             continue
     return found
+
+
+def _unused(names: set[str]) -> set[str]:
+    """Shared memory that no living process has mapped: what others work with at the moment is not ours."""
+    for maps in Path("/proc").glob("[0-9]*/maps"):
+        try:
+            mapped = maps.read_text(errors="replace")
+        except OSError:
+            continue
+        names = {name for name in names if f"/dev/shm/{name}" not in mapped}
+    return names

@@ -20,6 +20,14 @@ _guardians: dict[int, int] = {}
 """The descriptor at which each listens, by the process they guard: one that was forked needs its own."""
 
 
+def be_ready() -> None:
+    """Have the guardian run before something is made that it must know of: its start takes a while."""
+    own = os.getpid()
+    if own not in _guardians:
+        with contextlib.suppress(OSError, subprocess.SubprocessError):
+            _guardians[own] = _start()
+
+
 def keep(kind: str, what: str) -> None:
     """Have `what` ended with this process: a ``family`` by its mark, or a ``path``."""
     _tell("keep", kind, what)
@@ -38,6 +46,7 @@ def temporary_folder(prefix: str) -> Iterator[Path]:
     Raises:
         OSError: it cannot be made.
     """
+    be_ready()
     folder = tempfile.mkdtemp(prefix=prefix)
     keep("path", folder)
     try:
@@ -49,10 +58,8 @@ def temporary_folder(prefix: str) -> Iterator[Path]:
 
 def _tell(*message: str) -> None:
     """A guardian that has gone, or cannot be had, is no reason to fail."""
+    be_ready()
     own = _guardians.get(os.getpid())
-    if own is None:
-        with contextlib.suppress(OSError, subprocess.SubprocessError):
-            own = _guardians[os.getpid()] = _start()
     if own is not None:
         with contextlib.suppress(OSError):
             os.write(own, json.dumps(message).encode() + b"\n")

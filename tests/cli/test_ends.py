@@ -6,13 +6,14 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from rigsim import programs
+from rigsim import guard, programs
 from rigsim.cli import app
 from rigsim.cli.kit import ends
 from rigsim.errors import OutputError
@@ -182,3 +183,21 @@ def test_a_signal_while_an_extension_is_loaded_is_an_interrupt(
     monkeypatch.setattr("rigsim.sim.backend.load_mujoco", load)
     assert app.run(["render", "--scene", "artifact", "--renderer", "rays", "--out", "nowhere"]) == 143
     assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    "make", [lambda: claims.claim(Path("out")), lambda: guard.temporary_folder("rigsim-exec-").__enter__()]
+)
+def test_an_interrupt_while_the_guardian_starts_leaves_nothing(
+    make: Callable[[], object], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted() -> int:
+        raise KeyboardInterrupt
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(guard, "_guardians", {})
+    monkeypatch.setattr(guard, "_start", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        make()
+    assert list(tmp_path.iterdir()) == []

@@ -47,6 +47,7 @@ def claim(path: Path) -> None:
         return
     key = hashlib.sha256(os.fsencode(output)).hexdigest()[:16]
     lock = Path(tempfile.gettempdir(), f".rigsim-{os.getuid()}-{key}.lock")
+    guard.be_ready()
     try:
         descriptor = os.open(lock, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
     except OSError:  # nowhere to lock: two runs are not told apart, but never overwrite either
