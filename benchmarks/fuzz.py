@@ -17,7 +17,7 @@ from types import FrameType
 
 from benchmarks.subjects.fuzz_seeds import SEEDS
 from rigsim.cli import app
-from rigsim.cli.kit.ends import NO_NET
+from rigsim.cli.kit.faults import NO_NET
 
 ARGUMENTS = 2000
 FILES = 3000

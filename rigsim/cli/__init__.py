@@ -3,15 +3,16 @@
 
 def main() -> int:
     """Run the command line; returns the exit code: 0 fine, 1 error, 2 usage, 3 outside tolerance."""
-    from rigsim.cli.kit import ends
+    from rigsim import interrupts
 
-    ends.listen()
+    interrupts.listen()
     try:
         from rigsim.cli.app import run
 
         code = run()
     except KeyboardInterrupt:  # while still importing
-        code = ends.exit_code()
-    if code == ends.exit_code():
-        ends.leave(code)
+        interrupts.caught()
+        code = interrupts.exit_code()
+    if code == interrupts.exit_code():
+        interrupts.leave(code)
     return code

@@ -10,6 +10,7 @@ from typing import Annotated, cast
 
 import typer
 
+from rigsim import interrupts
 from rigsim._version import __version__
 from rigsim.cli import export
 from rigsim.cli.calc import calc
@@ -17,7 +18,7 @@ from rigsim.cli.compare import compare
 from rigsim.cli.design.design import design
 from rigsim.cli.doctor import doctor
 from rigsim.cli.infer import infer
-from rigsim.cli.kit import answer, ends, terminal
+from rigsim.cli.kit import answer, faults, terminal
 from rigsim.cli.measure import measure
 from rigsim.cli.presets import presets
 from rigsim.cli.render import render
@@ -93,7 +94,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except _UsageError as error:
         return _fail(_in_one_line(error), 2)
     except (KeyboardInterrupt, typer.Abort):
-        return ends.exit_code()
+        interrupts.caught()
+        return interrupts.exit_code()
     except BrokenPipeError:
         _drop_output()  # the reader has gone: nothing to say
         return 1
@@ -101,25 +103,31 @@ def run(arguments: Sequence[str] | None = None) -> int:
         if error.errno in _OF_A_NAME and error.filename is not None:
             return _fail(f"{str(error.filename)[:300]}: {error.strerror}; name another one", 1)
         if error.errno != errno.ENOSPC:
-            if ends.NO_NET in os.environ:
+            if faults.NO_NET in os.environ:
                 raise
-            return _fail(ends.unforeseen(error, words), 1)
+            return _fail(faults.unforeseen(error, words), 1)
         _drop_output()
         return _fail(f"output: {error.strerror}; send it elsewhere, or free some space", 1)
     except Exception as error:
-        if ends.NO_NET in os.environ:
+        if faults.NO_NET in os.environ:
             raise
-        return _fail(ends.unforeseen(error, words), 1)
+        return _fail(faults.unforeseen(error, words), 1)
     finally:
         _release_claims()
-    return ends.exit_code() if result == ends.INTERRUPTED else result if isinstance(result, int) else 0
+    return (
+        interrupts.exit_code()
+        if result == interrupts.INTERRUPTED
+        else result
+        if isinstance(result, int)
+        else 0
+    )
 
 
 def _called(words: list[str]) -> object:
     try:
         return app(words, prog_name="rigsim", standalone_mode=False)
     except Exception:
-        if ends.is_ending():
+        if interrupts.is_ending():
             raise KeyboardInterrupt from None
         raise
 

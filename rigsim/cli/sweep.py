@@ -10,7 +10,8 @@ from typing import Annotated, Any
 
 import typer
 
-from rigsim.cli.kit import ends, lists, quantity
+from rigsim import interrupts
+from rigsim.cli.kit import lists, quantity
 from rigsim.cli.kit.answer import claim, command, deliver, quiet
 from rigsim.cli.kit.axes import numbers_of, takes_axes
 from rigsim.cli.kit.options import PixelPitch, PresetName, RigFile, SensorWidth, takes
@@ -142,7 +143,7 @@ def sweep(typed: Mapping[str, str], words: SweepWords) -> None:
         )
     deliver(result, out, words.force, words.as_json)
     if not result.complete:
-        raise typer.Exit(ends.INTERRUPTED)
+        raise typer.Exit(interrupts.INTERRUPTED)
 
 
 def _rigs(typed: Mapping[str, str], words: SweepWords) -> RigOptions:

@@ -13,9 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from rigsim import guard, programs
+from rigsim import guard, interrupts, programs
 from rigsim.cli import app
-from rigsim.cli.kit import ends
 from rigsim.errors import OutputError
 from rigsim.interop.files import claims, folder
 from tests.helpers.processes import is_alive
@@ -174,7 +173,7 @@ def test_a_signal_while_an_extension_is_loaded_is_an_interrupt(
 ) -> None:
     """Its initialisation makes an ImportError of it."""
     told: list[int] = []
-    monkeypatch.setattr(ends, "_ended_by", told)
+    monkeypatch.setattr(interrupts, "_ended_by", told)
 
     def load(_backend: str) -> None:
         told.append(signal.SIGTERM)
@@ -201,3 +200,47 @@ def test_an_interrupt_while_the_guardian_starts_leaves_nothing(
     with pytest.raises(KeyboardInterrupt):
         make()
     assert list(tmp_path.iterdir()) == []
+
+
+SWALLOWED = """
+try:
+    print("ready", flush=True)
+    time.sleep(60)
+except KeyboardInterrupt:
+    pass  # as the loading of a module does
+time.sleep(60)
+print("went on")
+"""
+UNWINDING = """
+try:
+    print("ready", flush=True)
+    time.sleep(60)
+finally:
+    time.sleep(1.0)
+    print("cleaned")
+"""
+CAUGHT = """
+try:
+    print("ready", flush=True)
+    time.sleep(60)
+except KeyboardInterrupt:
+    interrupts.caught()
+time.sleep(1.0)
+print("went on")
+"""
+
+
+@pytest.mark.parametrize(
+    ("what", "said", "code"), [(SWALLOWED, "", -2), (UNWINDING, "cleaned\n", -2), (CAUGHT, "went on\n", 0)]
+)
+def test_an_interrupt_that_somebody_swallows_is_raised_again(what: str, said: str, code: int) -> None:
+    """While it is handled, and after one that was caught, it is not."""
+    script = f"import time\nfrom rigsim import interrupts\ninterrupts.listen()\n{what}"
+    process = subprocess.Popen(
+        [sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "ready\n"
+    process.send_signal(signal.SIGINT)
+    assert process.communicate(timeout=PATIENCE_S)[0] == said
+    assert process.returncode == code

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pandas as pd
 
+from rigsim import interrupts
 from rigsim.errors import InvalidRange, InvalidScene
 from rigsim.rig import extent, given
 from rigsim.rig.remark import Remark
@@ -124,6 +125,7 @@ def _run_all(
         outcomes.close()
         if not done.results:
             raise
+        interrupts.caught()
         done.complete = False
     return done
 

@@ -1,4 +1,4 @@
-"""How a run ends before it is done: Ctrl-C, a signal, or a fault that nobody foresaw."""
+"""Ctrl-C and the signals that mean the same: they end a run, even where other code swallows the interrupt."""
 
 from __future__ import annotations
 
@@ -6,16 +6,12 @@ import contextlib
 import os
 import signal
 import sys
-import tempfile
-import time
-import traceback
 from types import FrameType
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C; 128 and the signal's number after another one."""
 
-NO_NET = "RIGSIM_NO_NET"
-"""Environment variable that lets unforeseen faults through as they are; tests set it."""
+_AGAIN_S = 0.25
 
 _ended_by: list[int] = []
 
@@ -25,6 +21,12 @@ def listen() -> None:
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
             signal.signal(number, _interrupt)
+    signal.signal(signal.SIGALRM, _interrupt_again)
+
+
+def caught() -> None:
+    """Whoever catches a KeyboardInterrupt and goes on says so; it is not raised again."""
+    signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
 def is_ending() -> bool:
@@ -45,24 +47,16 @@ def leave(code: int) -> None:
     os._exit(code)
 
 
-def unforeseen(error: BaseException, words: list[str]) -> str:
-    """One line about a fault that is rigsim's own; the traceback goes to a file, which the line names."""
-    doing = " ".join(["rigsim", *words])
-    doing = doing if len(doing) <= 200 else doing[:197] + "..."
-    text = "".join(traceback.format_exception(error))
-    lines = str(error).strip().splitlines()
-    says = f"{type(error).__name__}: {lines[0][:200]}" if lines else type(error).__name__
-    try:
-        prefix = f"rigsim-fault-{time.strftime('%Y%m%d-%H%M%S')}-"
-        descriptor, path = tempfile.mkstemp(prefix=prefix, suffix=".txt")
-        with open(descriptor, "w", encoding="utf-8", errors="backslashreplace") as file:
-            file.write(f"{doing}\n\n{text}")
-        where = f"the details are in {path}; please report them"
-    except OSError as problem:
-        where = f"the details could not be written ({problem.strerror or problem})"
-    return f"an internal error of rigsim in `{doing}` ({says}): {where}"
-
-
 def _interrupt(number: int, _frame: FrameType | None) -> None:
     _ended_by.append(number)
+    signal.setitimer(signal.ITIMER_REAL, _AGAIN_S, _AGAIN_S)
     raise KeyboardInterrupt
+
+
+def _interrupt_again(_number: int, _frame: FrameType | None) -> None:
+    """Modules that are being loaded and objects that are being freed swallow it; then nothing handles it."""
+    handled = sys.exception()
+    while handled is not None and not isinstance(handled, KeyboardInterrupt):
+        handled = handled.__context__
+    if handled is None:
+        raise KeyboardInterrupt
