@@ -42,6 +42,8 @@ MAY_FAIL = {"verify": 3}  # the program triangulates nothing
 
 def run() -> None:
     """Print what was left after each kill; 0 is the aim."""
+    # a shell that starts this in the background ignores Ctrl-C, and what is started here would inherit that
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     rng = random.Random(SEED)
     with tempfile.TemporaryDirectory(prefix="bench-kills-") as folder:
         place = Path(folder)
@@ -95,11 +97,13 @@ def _killed(folder: Path, place: Path, name: str, sent: signal.Signals, after_s:
         os.killpg(process.pid, sent)  # as a terminal does
     else:
         process.send_signal(sent)
-    end = time.monotonic() + GRACE_S
+    begin = time.monotonic()
     _, complained = process.communicate(timeout=60)
+    took_s = time.monotonic() - begin
     what = f"{name}, {sent.name} after {after_s:.1f} s"
-    time.sleep(max(0.0, end - time.monotonic()))
-    wrong = [f"{what}: process {pid} ({words})" for pid, words in _marked(mark)]
+    time.sleep(GRACE_S)
+    wrong = [f"{what}: it ended only {took_s:.1f} s later"] if took_s > GRACE_S else []
+    wrong += [f"{what}: process {pid} ({words})" for pid, words in _marked(mark)]
     wrong += [f"{what}: /dev/shm/{entry}" for entry in _unused(set(os.listdir("/dev/shm")) - shared)]
     wrong += [f"{what}: {entry}" for entry in temporary.rglob("*")]
     wrong += [f"{what}: {entry.name}" for entry in folder.glob(".rigsim*")]

@@ -9,7 +9,7 @@ import numpy as np
 from rigsim.errors import InvalidRig
 from rigsim.rig import given
 from rigsim.rig.arrays import Array, Mask
-from rigsim.rig.lens import undistortion
+from rigsim.rig.lens import polynomial, undistortion
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,32 +43,18 @@ class BrownConrady:
         never does. No lens shows what lies beyond: there the polynomial repeats the inner image."""
         return undistortion.fold_radius2(self.k1, self.k2, self.k3)
 
+    @property
+    def coefficients(self) -> polynomial.Coefficients:
+        """k1, k2, p1, p2, k3."""
+        return self.k1, self.k2, self.p1, self.p2, self.k3
+
     def distort(self, normalized: Array) -> Array:
         """Map ideal (N, 2) to distorted (N, 2) normalised coordinates."""
-        x, y = normalized[..., 0], normalized[..., 1]
-        r2 = x * x + y * y
-        radial = 1 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3))
-        return np.stack(
-            [
-                x * radial + 2 * self.p1 * x * y + self.p2 * (r2 + 2 * x * x),
-                y * radial + self.p1 * (r2 + 2 * y * y) + 2 * self.p2 * x * y,
-            ],
-            axis=-1,
-        )
+        return polynomial.distort(self.coefficients, normalized)
 
     def jacobian(self, normalized: Array) -> Array:
         """Derivative (N, 2, 2) of `distort` with respect to the ideal coordinates."""
-        x, y = normalized[..., 0], normalized[..., 1]
-        r2 = x * x + y * y
-        radial = 1 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3))
-        slope = 2 * (self.k1 + r2 * (2 * self.k2 + 3 * r2 * self.k3))  # d radial / d x = x * slope
-        cross = x * y * slope + 2 * self.p1 * x + 2 * self.p2 * y
-        jacobian = np.empty((*normalized.shape, 2))
-        jacobian[..., 0, 0] = radial + x * x * slope + 2 * self.p1 * y + 6 * self.p2 * x
-        jacobian[..., 0, 1] = cross
-        jacobian[..., 1, 0] = cross
-        jacobian[..., 1, 1] = radial + y * y * slope + 6 * self.p1 * y + 2 * self.p2 * x
-        return jacobian
+        return polynomial.jacobian(self.coefficients, normalized)
 
     def shows(self, normalized: Array) -> Mask:
         """Whether the lens shows ideal coordinates (..., 2): within the fold, and where p1 and p2 fold
@@ -78,18 +64,12 @@ class BrownConrady:
         shown = np.asarray(r2 < self.fold_radius2)
         if self.p1 == 0 and self.p2 == 0:
             return shown
-        shown = shown & self._is_one_to_one(normalized)
+        shown = shown & polynomial.is_one_to_one(self.coefficients, normalized)
         for dip2 in undistortion.dips2(self):
             with np.errstate(divide="ignore", invalid="ignore"):
                 at_dip = normalized * np.sqrt(dip2 / r2)[..., None]
-            shown &= (r2 <= dip2) | self._is_one_to_one(at_dip)
+            shown &= (r2 <= dip2) | polynomial.is_one_to_one(self.coefficients, at_dip)
         return shown
-
-    def _is_one_to_one(self, normalized: Array) -> Mask:
-        """Whether the Jacobian (..., 2, 2), which is symmetric, is positive definite."""
-        J = self.jacobian(normalized)
-        a, b, c = J[..., 0, 0], J[..., 1, 1], J[..., 0, 1]
-        return np.asarray((a * b > c * c) & (a + b > 0))
 
     def undistort(self, distorted: Array) -> Array:
         """Invert `distort` (..., 2) to rounding; NaN where the lens shows no ideal point."""

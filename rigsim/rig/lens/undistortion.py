@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rigsim.rig.arrays import Array, Mask
+from rigsim.rig.lens import polynomial
 
 if TYPE_CHECKING:
     from rigsim.rig.lens.distortion import BrownConrady
@@ -73,6 +75,34 @@ def undistort(lens: BrownConrady, distorted: Array) -> Array:
     return ideal.reshape(np.shape(distorted))
 
 
+def undistort_rows(lenses: Sequence[BrownConrady], counts: Sequence[int], distorted: Array) -> Array:
+    """As `undistort`, the rows (N, 2) in order, so many `counts` of them by each of `lenses`."""
+    rows = np.repeat(np.array([lens.coefficients for lens in lenses]).reshape(-1, 5), counts, axis=0)
+    coefficients: polynomial.Coefficients = tuple(rows.T)
+    folds = [fold_radius2(lens.k1, lens.k2, lens.k3) for lens in lenses]
+    plain = np.array([not dips2(lens) for lens in lenses], dtype=np.bool_)
+    with np.errstate(all="ignore"):
+        target = np.hypot(*distorted.T)
+        radius, missed = polynomial.radial_steps(coefficients, target, target, _QUICK_STEPS)
+        ideal = distorted * np.where(target > 0, radius / target, 1.0)[:, None]
+        met = np.repeat(plain, counts) & (np.abs(missed) <= _MET * target) & (radius >= 0)
+        tangential = np.flatnonzero(rows[:, 2:4].any(axis=1))
+        some: polynomial.Coefficients = tuple(rows[tangential].T)
+        aim, found = distorted[tangential], ideal[tangential]
+        for _ in range(_QUICK_STEPS):
+            found -= polynomial.newton_step(some, found, polynomial.distort(some, found) - aim)
+        residual = polynomial.distort(some, found) - aim
+        met[tangential] &= _is_met(residual, aim) & polynomial.is_one_to_one(some, found)
+        ideal[tangential] = found
+        met &= np.sum(ideal**2, axis=1) < np.repeat(folds, counts) * _BELOW_ONE
+    ends = np.cumsum(counts)
+    for lens, end, count in zip(lenses, ends, counts, strict=True):
+        others = np.arange(end - count, end)[~met[end - count : end]]
+        if others.size:
+            ideal[others] = undistort(lens, distorted[others])
+    return ideal
+
+
 def _radial(lens: BrownConrady, distorted: Array, clamp: bool) -> Array:
     """The inverse without p1 and p2; beyond the fold NaN, or its edge when `clamp`."""
     k1, k2, k3 = lens.k1, lens.k2, lens.k3
@@ -82,13 +112,9 @@ def _radial(lens: BrownConrady, distorted: Array, clamp: bool) -> Array:
     reach = np.inf if np.isinf(fold) else fold * (1 + fold**2 * (k1 + fold**2 * (k2 + fold**2 * k3)))
     unseen = ~(target <= reach * (1 + 4e-16)) | ~np.isfinite(target)
     radius = np.minimum(target, fold)
-    for _ in range(_QUICK_STEPS):  # ordinary lenses are done here, and need no bracket
-        s = radius * radius
-        value = radius * (1 + s * (k1 + s * (k2 + s * k3))) - target
-        radius = radius - value / (1 + s * (3 * k1 + s * (5 * k2 + s * 7 * k3)))
-    s = radius * radius
-    value = radius * (1 + s * (k1 + s * (k2 + s * k3))) - target
-    slow = ~((np.abs(value) <= _MET * target) & (radius >= 0) & (radius <= fold)) & ~unseen
+    # ordinary lenses are done here, and need no bracket
+    radius, missed = polynomial.radial_steps(lens.coefficients, target, radius, _QUICK_STEPS)
+    slow = ~((np.abs(missed) <= _MET * target) & (radius >= 0) & (radius <= fold)) & ~unseen
     if slow.any():
         radius[slow] = _bracketed(lens, target[slow], fold)
     scale = np.where(target > 0, radius / target, 1.0)
@@ -134,7 +160,7 @@ def _in_plane(lens: BrownConrady, distorted: Array, start: Array) -> Array:
     ideal = start.copy()
     for _ in range(_QUICK_STEPS):
         residual = lens.distort(ideal) - distorted
-        ideal -= _newton_step(lens, ideal, residual)
+        ideal -= polynomial.newton_step(lens.coefficients, ideal, residual)
     slow = ~(_is_met(lens.distort(ideal) - distorted, distorted) & lens.shows(ideal))
     slow &= np.isfinite(start).all(axis=1)
     if slow.any():
@@ -167,7 +193,7 @@ def _damped(lens: BrownConrady, distorted: Array, start: Array) -> Array:
 
 def _cut_step(lens: BrownConrady, ideal: Array, residual: Array, target: Array) -> tuple[Array, Mask]:
     """Points one step on, and which of them came nearer."""
-    step = _newton_step(lens, ideal, residual)
+    step = polynomial.newton_step(lens.coefficients, ideal, residual)
     before = np.hypot(*residual.T)
     moved, better = ideal.copy(), np.zeros(len(ideal), dtype=np.bool_)
     for halving in range(_HALVINGS):
@@ -179,14 +205,6 @@ def _cut_step(lens: BrownConrady, ideal: Array, residual: Array, target: Array) 
         if better.all():
             break
     return moved, better
-
-
-def _newton_step(lens: BrownConrady, ideal: Array, residual: Array) -> Array:
-    """``J^-1`` times `residual` (N, 2), J being symmetric."""
-    J = lens.jacobian(ideal)
-    a, b, c = J[:, 0, 0], J[:, 1, 1], J[:, 0, 1]
-    u, v = residual[:, 0], residual[:, 1]
-    return np.asarray(np.stack([b * u - c * v, a * v - c * u], axis=1) / (a * b - c * c)[:, None])
 
 
 def _is_met(residual: Array, distorted: Array) -> Mask:

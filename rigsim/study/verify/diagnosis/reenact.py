@@ -16,6 +16,8 @@ import numpy as np
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.distortion import BrownConrady
+from rigsim.rig.lens.polynomial import distort
+from rigsim.rig.lens.undistortion import undistort_rows
 from rigsim.rig.stereo import StereoRig
 from rigsim.theory.matrices import inverse_symmetric
 
@@ -24,18 +26,16 @@ _STEPS = 6  # of Gauss-Newton, from a start that is nearly right
 
 def undo(distorted: Array, bend: Array) -> Array:
     """Ideal normalised coordinates (N, 2) of distorted ones; `bend` (N, 5) as k1, k2, p1, p2, k3."""
-    return by_lens(distorted, bend, lambda lens, xy: lens.undistort(xy))
-
-
-def by_lens(xy: Array, bend: Array, apply: Callable[[BrownConrady, Array], Array]) -> Array:
-    """`apply` to the rows (N, 2) of each lens; an ideal lens leaves them alone."""
-    result = np.array(xy)
-    bent = np.flatnonzero(bend.any(axis=1))
     # rows of one lens stand together
-    ends = np.flatnonzero((np.diff(bend[bent], axis=0) != 0).any(axis=1)) + 1
-    for rows in np.split(bent, ends) if bent.size else ():
-        result[rows] = apply(_lens(*bend[rows[0]].tolist()), xy[rows])
-    return result
+    ends = np.flatnonzero((np.diff(bend, axis=0) != 0).any(axis=1)) + 1
+    begins = np.concatenate([[0], ends]) if len(bend) else ends
+    lenses = [_lens(*row) for row in bend[begins].tolist()]
+    return undistort_rows(lenses, np.diff(begins, append=len(bend)).tolist(), distorted)
+
+
+def bent(xy: Array, bend: Array) -> Array:
+    """Distorted normalised coordinates (N, 2) of ideal ones, and `bend` as in `undo`."""
+    return distort((bend[:, 0], bend[:, 1], bend[:, 2], bend[:, 3], bend[:, 4]), xy)
 
 
 _lens = lru_cache(256)(BrownConrady)  # the same few lenses are asked for again and again

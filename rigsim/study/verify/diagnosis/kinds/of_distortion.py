@@ -9,7 +9,7 @@ import numpy as np
 
 from rigsim.rig.arrays import Array
 from rigsim.study.verify.diagnosis.mistake import Mistake, of_both, sides
-from rigsim.study.verify.diagnosis.reenact import Lenses, Undo, by_lens, undo
+from rigsim.study.verify.diagnosis.reenact import Lenses, Undo, bent, undo
 
 
 def _bend(order: list[int], factors: tuple[float, ...] = (1.0,) * 5) -> Callable[[Lenses], Lenses]:
@@ -29,7 +29,7 @@ def _fixed_point(steps: int) -> Undo:
         for _ in range(steps):
             s = np.sum(xy**2, axis=1)
             radial = (1 + s * (k1 + s * (k2 + s * k3)))[:, None]
-            xy = (seen - (_distort(xy, bend) - xy * radial)) / radial
+            xy = (seen - (bent(xy, bend) - xy * radial)) / radial
         return xy
 
     return solve
@@ -39,7 +39,7 @@ def _subtracted(steps: int) -> Undo:
     def solve(seen: Array, bend: Array) -> Array:
         xy = seen
         for _ in range(steps):
-            xy = seen - (_distort(xy, bend) - xy)
+            xy = seen - (bent(xy, bend) - xy)
         return xy
 
     return solve
@@ -49,7 +49,7 @@ def _newton(steps: int) -> Undo:
     def solve(seen: Array, bend: Array) -> Array:
         xy = seen
         for _ in range(steps):
-            residual = _distort(xy, bend) - seen
+            residual = bent(xy, bend) - seen
             slope = by_jacobian(xy, bend)
             xy = xy - np.linalg.solve(slope, residual[:, :, None])[:, :, 0]
         return xy
@@ -63,12 +63,8 @@ def by_jacobian(xy: Array, bend: Array) -> Array:
     for axis in range(2):
         step = np.zeros(2)
         step[axis] = 1e-6
-        columns.append((_distort(xy + step, bend) - _distort(xy - step, bend)) / 2e-6)
+        columns.append((bent(xy + step, bend) - bent(xy - step, bend)) / 2e-6)
     return np.stack(columns, axis=2)
-
-
-def _distort(xy: Array, bend: Array) -> Array:
-    return by_lens(xy, bend, lambda lens, rows: lens.distort(rows))
 
 
 def _twice(seen: Array, bend: Array) -> Array:
@@ -88,7 +84,7 @@ DISTORTION: tuple[Mistake, ...] = (
     *sides(
         "distortion-inverted",
         "Distortion is applied where it must be undone, in {}: the model maps ideal to seen.",
-        _undone(_distort),
+        _undone(bent),
     ),
     *sides(
         "distortion-sign", "The distortion coefficients have the wrong sign in {}.", _bend(_KEPT, (-1.0,) * 5)
@@ -143,7 +139,7 @@ DISTORTION: tuple[Mistake, ...] = (
     *sides(
         "undistortion-unfinished",
         "Undistortion in {} is the model with opposite signs: right to first order only, iterate instead.",
-        _undone(lambda seen, bend: _distort(seen, -bend)),
+        _undone(lambda seen, bend: bent(seen, -bend)),
         cost=0.001,
     ),
     *(

@@ -1,0 +1,76 @@
+"""The Brown-Conrady polynomial and its slope, for one lens or for one lens a row."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+
+from rigsim.rig.arrays import Array, Mask
+
+Coefficients: TypeAlias = (
+    "tuple[float, float, float, float, float] | tuple[Array, Array, Array, Array, Array]"
+)
+"""k1, k2, p1, p2, k3: numbers, or arrays (N,) with a value for each row."""
+
+
+def distort(coefficients: Coefficients, normalized: Array) -> Array:
+    """Distorted (..., 2) of ideal (..., 2) normalised coordinates."""
+    k1, k2, p1, p2, k3 = coefficients
+    x, y = normalized[..., 0], normalized[..., 1]
+    r2 = x * x + y * y
+    radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
+    return np.stack(
+        [
+            x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
+            y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y,
+        ],
+        axis=-1,
+    )
+
+
+def jacobian(coefficients: Coefficients, normalized: Array) -> Array:
+    """Derivative (..., 2, 2) of `distort` with respect to the ideal coordinates; it is symmetric."""
+    k1, k2, p1, p2, k3 = coefficients
+    x, y = normalized[..., 0], normalized[..., 1]
+    r2 = x * x + y * y
+    radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
+    slope = 2 * (k1 + r2 * (2 * k2 + 3 * r2 * k3))  # d radial / d x = x * slope
+    cross = x * y * slope + 2 * p1 * x + 2 * p2 * y
+    J = np.empty((*normalized.shape, 2))
+    J[..., 0, 0] = radial + x * x * slope + 2 * p1 * y + 6 * p2 * x
+    J[..., 0, 1] = cross
+    J[..., 1, 0] = cross
+    J[..., 1, 1] = radial + y * y * slope + 6 * p1 * y + 2 * p2 * x
+    return J
+
+
+def is_one_to_one(coefficients: Coefficients, normalized: Array) -> Mask:
+    """Whether the Jacobian (..., 2, 2) is positive definite."""
+    J = jacobian(coefficients, normalized)
+    a, b, c = J[..., 0, 0], J[..., 1, 1], J[..., 0, 1]
+    return np.asarray((a * b > c * c) & (a + b > 0))
+
+
+def newton_step(coefficients: Coefficients, ideal: Array, residual: Array) -> Array:
+    """``J^-1`` times `residual` (N, 2)."""
+    J = jacobian(coefficients, ideal)
+    a, b, c = J[:, 0, 0], J[:, 1, 1], J[:, 0, 1]
+    u, v = residual[:, 0], residual[:, 1]
+    return np.asarray(np.stack([b * u - c * v, a * v - c * u], axis=1) / (a * b - c * c)[:, None])
+
+
+def radial_steps(coefficients: Coefficients, target: Array, start: Array, steps: int) -> tuple[Array, Array]:
+    """Newton's method from the radii `start` (N,) to those whose radial polynomial is `target`.
+
+    Returns:
+        Radii (N,), and by how much their polynomial misses `target`.
+    """
+    k1, k2, _, _, k3 = coefficients
+    radius = start
+    for left in range(steps, -1, -1):
+        s = radius * radius
+        missed = radius * (1 + s * (k1 + s * (k2 + s * k3))) - target
+        if left:
+            radius = radius - missed / (1 + s * (3 * k1 + s * (5 * k2 + s * 7 * k3)))
+    return radius, missed
