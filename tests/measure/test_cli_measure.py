@@ -17,7 +17,7 @@ from rigsim.cli.app import run
 from rigsim.interop.formats.middlebury import disparity_png, read_disparity
 from rigsim.interop.formats.rig_toml import read_rig, write_rig
 from rigsim.pixels.dense.pfm import pfm_bytes
-from tests.helpers.documents import valid
+from tests.helpers.documents import misplaced, valid
 from tests.helpers.textured_images import affine_pair, noisy
 
 DOFFS = 5.0
@@ -194,6 +194,16 @@ def test_colour_and_depth_make_no_difference(left: str, here: Path, capsys: pyte
     for found in (said, plain):
         assert abs(found["patches"]["mean_px"]) < 0.01
     assert said["dense"]["regions"]["textureless"]["n"] == plain["dense"]["regions"]["textureless"]["n"]
+
+
+def test_keys_stand_in_the_order_of_the_model(here: Path, capsys: pytest.CaptureFixture[str]):
+    told = document(capsys, *PAIR, "--truth", "truth.npy", "--target", "40,40,100x80")
+    assert misplaced("measure", told) == []
+    # made by hand from the docs: the rig's size before its focal length, the counts before the errors
+    assert list(told["rig"])[:4] == ["width_px", "height_px", "focal_px", "baseline_mm"]
+    assert list(told["dense"])[:6] == [
+        *("matcher", "rectified_first", "image_fill_pct", "n", "invalid_pct", "bad_0_5_pct")
+    ]
 
 
 # --- files --------------------------------------------------------------------------------------

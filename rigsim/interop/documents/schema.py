@@ -16,7 +16,7 @@ from rigsim.interop.documents.listings import (
     PresetsDocument,
     ScenesDocument,
 )
-from rigsim.interop.documents.measure import MeasureDocument
+from rigsim.interop.documents.measure.models import MeasureDocument
 from rigsim.interop.documents.render import RenderDocument
 from rigsim.interop.documents.sweep import SweepDocument
 from rigsim.interop.documents.tolerance import ToleranceDocument
