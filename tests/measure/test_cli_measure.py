@@ -17,6 +17,7 @@ from rigsim.cli.app import run
 from rigsim.interop.formats.middlebury import disparity_png, read_disparity
 from rigsim.interop.formats.rig_toml import read_rig, write_rig
 from rigsim.pixels.dense.pfm import pfm_bytes
+from rigsim.study.measure.columns import COLUMNS
 from tests.helpers.documents import misplaced, valid
 from tests.helpers.textured_images import affine_pair, noisy
 
@@ -221,6 +222,7 @@ def test_everything_is_written(here: Path, tmp_path: Path, capsys: pytest.Captur
 
     with (out / "matches.csv").open() as file:
         rows = list(csv.DictReader(file))
+    assert list(rows[0]) == [name for name in COLUMNS if name not in ("board", "corner")]
     assert len(rows) == said["n_matches"]
     for row in rows[:20]:
         disparity = float(row["u_left_px"]) - float(row["u_right_px"])

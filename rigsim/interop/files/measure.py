@@ -18,6 +18,7 @@ from rigsim.interop.formats.middlebury import read_disparity
 from rigsim.interop.formats.rig_toml import write_rig
 from rigsim.pixels.dense.pfm import pfm_bytes
 from rigsim.rig.arrays import Array
+from rigsim.study.measure import columns as col
 from rigsim.study.measure.result import DenseMap, PairMeasurement, eight_bit
 
 _PNG_BIT_DEPTH = 24  # byte of the header
@@ -83,28 +84,28 @@ def matches_table(result: PairMeasurement) -> pd.DataFrame:
     for matches in result.matches:
         table = pd.DataFrame(
             {
-                "kind": matches.kind,
-                "u_left_px": matches.uv_left[:, 0],
-                "v_left_px": matches.uv_left[:, 1],
-                "u_right_px": matches.uv_right[:, 0],
-                "v_right_px": matches.uv_right[:, 1],
-                "disparity_px": matches.disparity_px,
-                "disparity_std_px": matches.disparity_std_px,
-                "epipolar_px": matches.epipolar_px,
-                "score": matches.score,
-                "x_mm": 1e3 * matches.points_left[:, 0],
-                "y_mm": 1e3 * matches.points_left[:, 1],
-                "z_mm": 1e3 * matches.points_left[:, 2],
-                "depth_std_mm": 1e3 * matches.depth_std_m,
+                col.KIND: matches.kind,
+                col.U_LEFT: matches.uv_left[:, 0],
+                col.V_LEFT: matches.uv_left[:, 1],
+                col.U_RIGHT: matches.uv_right[:, 0],
+                col.V_RIGHT: matches.uv_right[:, 1],
+                col.DISPARITY: matches.disparity_px,
+                col.DISPARITY_STD: matches.disparity_std_px,
+                col.EPIPOLAR: matches.epipolar_px,
+                col.SCORE: matches.score,
+                col.X: 1e3 * matches.points_left[:, 0],
+                col.Y: 1e3 * matches.points_left[:, 1],
+                col.Z: 1e3 * matches.points_left[:, 2],
+                col.DEPTH_STD: 1e3 * matches.depth_std_m,
             }
         )
         if result.corners is not None:
             numbered = pd.Series(matches.board), pd.Series(matches.corner)
-            table["board"], table["corner"] = (ids.astype("Int64").mask(ids < 0) for ids in numbered)
+            table[col.BOARD], table[col.CORNER] = (ids.astype("Int64").mask(ids < 0) for ids in numbered)
         if result.truth is not None:
-            table["truth_px"] = matches.truth_px
-            table["error_px"] = matches.disparity_px - matches.truth_px
-            table["depth_error_mm"] = 1e3 * matches.depth_error_m
+            table[col.TRUTH] = matches.truth_px
+            table[col.ERROR] = matches.disparity_px - matches.truth_px
+            table[col.DEPTH_ERROR] = 1e3 * matches.depth_error_m
         tables.append(table)
     return pd.concat(tables, ignore_index=True)
 
