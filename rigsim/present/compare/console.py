@@ -9,7 +9,7 @@ from rich.console import Console
 
 from rigsim.present.compare.words import headline, sentences
 from rigsim.present.kit.console import make_console, paragraph, print_table, say
-from rigsim.present.kit.format import MISSING, count, number, percent, plain, ratio
+from rigsim.present.kit.format import count, number, percent, plain, ratio, with_error
 from rigsim.study.compare import columns as col
 from rigsim.study.compare.run import ComparisonResult
 
@@ -82,23 +82,14 @@ def _row(row: dict[Any, Any]) -> tuple[str, ...]:
     return (
         str(row[col.GEOMETRY]),
         str(row[col.TRIANGULATOR]),
-        _with_error(row[col.PIXEL_ERROR_OVER_BOUND], row[col.PIXEL_ERROR_OVER_BOUND_SE]),
+        with_error(row[col.PIXEL_ERROR_OVER_BOUND], row[col.PIXEL_ERROR_OVER_BOUND_SE]),
         _factor(row[col.PIXEL_ERROR_OVER_FIRST]),
-        _with_error(row[col.DEPTH_BIAS] - row[col.EXPECTED_DEPTH_BIAS], row[col.DEPTH_BIAS_SE]),
+        with_error(row[col.DEPTH_BIAS] - row[col.EXPECTED_DEPTH_BIAS], row[col.DEPTH_BIAS_SE]),
         percent(row[col.FAILED_SHARE]),
         percent(row[col.EXPECTED_FAILED_SHARE]) if row[col.EXPECTED_FAILED_SHARE] > 5e-8 else "0",
         _speed(row[col.POINTS_PER_SECOND] / 1e6),
         _speed(row[col.SPEED_OVER_FIRST]),
     )
-
-
-def _with_error(value: float, se: float) -> str:
-    """A number and its standard error, to the digits of that: ``1.003 ± 0.003``."""
-    if not (value == value and se == se):
-        return MISSING
-    decimals = 3 if se < 0.0995 else 1 if se < 9.95 else 0
-    sign = "−" if value < -(0.5 * 10**-decimals) else ""
-    return f"{sign}{abs(value):.{decimals}f} ± {se:.{decimals}f}"
 
 
 def _factor(value: float) -> str:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from rigsim.present.kit.format import with_error
 from rigsim.study.compare import columns as col
 from rigsim.study.compare.judge import off_bound, quantile
 from rigsim.study.compare.run import ComparisonResult
@@ -87,7 +88,7 @@ def _against_first(result: ComparisonResult) -> list[str]:
         mine = more[sure & ~off & (rows[col.TRIANGULATOR] == label)]
         if len(mine):
             row = rows.loc[mine.idxmax()]
-            pair = _pair(row[col.PIXEL_ERROR_OVER_FIRST], row[col.PIXEL_ERROR_OVER_FIRST_SE])
+            pair = with_error(row[col.PIXEL_ERROR_OVER_FIRST], row[col.PIXEL_ERROR_OVER_FIRST_SE])
             said.append(f"{label} {pair} times in {_place(row)}")
     if not said:
         return []
@@ -112,7 +113,7 @@ def _biases(result: ComparisonResult) -> list[str]:
             beside = ", beyond the bias that lost points cause" if lost else ""
             side = "far" if value > 0 else "near"
             said.append(
-                f"{label}'s points are too {side} by up to {_pair(abs(value), se)} σ of depth,"
+                f"{label}'s points are too {side} by up to {with_error(abs(value), se)} σ of depth,"
                 f" in {_place(row)}{beside}."
             )
         elif beyond[rows[col.TRIANGULATOR] == label].notna().any():
@@ -163,13 +164,7 @@ def _place(row: pd.Series[Any]) -> str:
 
 
 def _times(row: pd.Series[Any]) -> str:
-    return f"{_pair(row[col.PIXEL_ERROR_OVER_BOUND], row[col.PIXEL_ERROR_OVER_BOUND_SE])} times"
-
-
-def _pair(value: float, se: float) -> str:
-    """A number with its standard error, to the digits of that."""
-    decimals = 4 if se < 0.0005 else 3 if se < 0.005 else 2 if se < 0.05 else 1 if se < 0.95 else 0
-    return f"{value:.{decimals}f} ± {se:.{decimals}f}"
+    return f"{with_error(row[col.PIXEL_ERROR_OVER_BOUND], row[col.PIXEL_ERROR_OVER_BOUND_SE])} times"
 
 
 def _two(value: float) -> str:
