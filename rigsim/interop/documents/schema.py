@@ -7,7 +7,7 @@ from typing import Any
 from rigsim.interop.documents.base import Part
 from rigsim.interop.documents.calc import CalcDepthDocument, CalcLimitsDocument, CalcPointDocument
 from rigsim.interop.documents.compare import CompareDocument
-from rigsim.interop.documents.design import DesignDocument
+from rigsim.interop.documents.design.models import DesignDocument
 from rigsim.interop.documents.export import ExportDatasetDocument, ExportRigDocument
 from rigsim.interop.documents.infer import InferDocument
 from rigsim.interop.documents.listings import (

@@ -87,7 +87,7 @@ def percent(fraction: float) -> str:
 
 
 def sampled_percent(n_good: int, n: int) -> str:
-    """A share of samples as a percentage without its sign: three digits, or what sampling leaves of them; 0 and
+    """A share of samples as a percentage without its sign: three digits, or what sampling leaves; 0 and
     100 only where all agree."""
     share = n_good / n
     if 0 < share < 0.0005:
