@@ -101,7 +101,7 @@ class Designed(Result):
 
     def document(self, written: Written | None = None) -> Mapping[str, Any]:
         """The whole answer; docs/reference/design.md says what the keys mean."""
-        from rigsim.interop.documents.design import design_document
+        from rigsim.interop.documents.design.document import design_document
         from rigsim.present.design.words import outcome
 
         return design_document(self.found, self.proofs, self.tolerance, outcome)

@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rigsim.errors import InvalidRange, InvalidRig, InvalidScene
-from rigsim.interop.documents.design import design_document
+from rigsim.interop.documents.design.document import design_document
 from rigsim.present.design.words import outcome
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.sensor import Sensor

@@ -18,7 +18,7 @@ from rigsim.present.design.console import (
 )
 from rigsim.present.design.figures import pareto_figure, plan_figure, region_figure
 from rigsim.present.kit import style
-from rigsim.present.kit.format import count
+from rigsim.present.kit.format import count, with_error
 from rigsim.present.kit.page import data_uri, fill
 from rigsim.present.tolerance.console import quantity_heads, quantity_rows, tolerance_figure
 from rigsim.rig.catalogue.sensors import sensor_preset
@@ -101,7 +101,7 @@ def _tolerance_part(tolerance: DesignTolerance) -> dict[str, Any]:
 
 
 def _counted(found: Count) -> str:
-    return f"{words.share(found.share)} ± {100 * found.standard_error:.1f} of {count(found.rigs)}"
+    return f"{with_error(100 * found.share, 100 * found.standard_error)} of {count(found.rigs)}"
 
 
 def data_sheet(design: Design, pick: Candidate) -> list[tuple[str, str]]:

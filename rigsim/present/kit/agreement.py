@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import pandas as pd
 
+from rigsim.present.kit.format import with_interval
 from rigsim.study.agreement.agreement import Agreement, AgreementPlace, Reason
 from rigsim.study.agreement.claims import BAND
 from rigsim.study.agreement.fault import Fault
@@ -84,12 +85,20 @@ def _astray(agreement: Agreement) -> str:
 
 
 def _claim(agreement: Agreement) -> str:
-    return f"measured errors are {_number(agreement.ratio):.2g} times their own estimate"
+    return _times(f"{_number(agreement.ratio):.2g}")
+
+
+def _times(ratio: str) -> str:
+    return f"measured errors are {ratio} times their own estimate"
 
 
 def _unclear(agreement: Agreement) -> str:
     low, high = agreement.interval or (math.nan, math.nan)
-    return f"{_claim(agreement)} ({low:.2g} to {high:.2g}), not clearly within {BAND[0]:.2g} to {BAND[1]:.2g}"
+    says, between = _claim(agreement), f"{low:.2g} to {high:.2g}"
+    if math.isfinite(high - low):
+        ratio, *ends = with_interval(_number(agreement.ratio), low, high)
+        says, between = _times(ratio), " to ".join(ends)
+    return f"{says} ({between}), not clearly within {BAND[0]:.2g} to {BAND[1]:.2g}"
 
 
 _SAID: dict[Reason, Callable[[Agreement], str]] = {
