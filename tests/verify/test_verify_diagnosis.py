@@ -354,7 +354,7 @@ def test_a_factor_by_hand() -> None:
 
 
 def test_a_run_carries_its_diagnosis() -> None:
-    geometry = Geometry("flat", RECTIFIED, (1.0, 3.0), "")
+    geometry = Geometry("flat", RECTIFIED, (1.0, 3.0))
     case = exact(geometry, 50, stream(0, "flat"))
     runs = verify([case], {"right": METHODS["optimal"], "wrong": lambda rig, left, right: left})
     assert runs[0].diagnoses == ()

@@ -5,6 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from rigsim.present.kit.sayings import spoken
+from rigsim.present.verify.sentences import ABOUT, WHY
+from rigsim.study.verify.case import Case
+from rigsim.study.verify.geometries import Geometry
 from rigsim.study.verify.result import CaseResult, Check, Diagnosis, TriangulatorResult
 
 MEANS = {
@@ -86,6 +90,16 @@ def sentence(check: Check) -> str:
     return f"{check.name}: {found(check)}, allowed {allowed(check)}"
 
 
+def about(what: Case | Geometry) -> str:
+    """What a case or a geometry shows, in a sentence or two that stand alone."""
+    return spoken(what.about, ABOUT)
+
+
+def why(check: Check) -> str:
+    """Where the bounds of a check come from, and what its value means."""
+    return spoken(check.why, WHY)
+
+
 def reason(result: CaseResult, strict: bool) -> str:
     """Why a case failed, one line."""
     return result.error or "; ".join(sentence(check) for check in result.failures(strict))
@@ -114,13 +128,17 @@ def verdict(result: TriangulatorResult, strict: bool) -> str:
     return said
 
 
+def says(found: Diagnosis) -> str:
+    """What a mistake is, and where one would look, one sentence."""
+    return found.says
+
+
 def diagnosis(found: Diagnosis) -> str:
     """A diagnosis in one paragraph."""
     n = len(found.cases)
-    says = found.says.rstrip(".")
     return (
-        f"{found.mistake}: {says}. That explains {100 * found.explained:.0f} % of the error in {n} failing "
-        f"case{'s' if n != 1 else ''}."
+        f"{found.mistake}: {says(found).rstrip('.')}. That explains {100 * found.explained:.0f} % of the "
+        f"error in {n} failing case{'s' if n != 1 else ''}."
     )
 
 

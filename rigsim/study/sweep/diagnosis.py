@@ -19,6 +19,7 @@ from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.agreement.fault import UNKNOWN, Fault
+from rigsim.study.saying import saying
 from rigsim.study.scene.plan import Triangulator
 from rigsim.study.sweep.fit import Fit, fits, rig_differences
 from rigsim.study.sweep.symptoms import (
@@ -199,9 +200,7 @@ def _fitted(tried: Sequence[Fit], best: float) -> Fault:
 def _verified(asked: Asked, found: Array) -> tuple[Diagnosis, ...]:
     """What `rigsim verify` makes of the answers."""
     uv_left, uv_right = asked.rig.project(asked.points_left)
-    case = Case(
-        "sweep", "sweep", "exact", "Points of a sweep.", asked.rig, uv_left, uv_right, asked.points_left
-    )
+    case = Case("sweep", "sweep", "exact", saying("sweep"), asked.rig, uv_left, uv_right, asked.points_left)
     result = CaseResult(case, "", judge(case, found, 1e-6).checks, found_left=found)
     return diagnose([result])
 

@@ -7,6 +7,7 @@ from typing import Literal, TypeAlias
 
 from rigsim.errors import TriangulatorReason
 from rigsim.rig.arrays import Array
+from rigsim.study.saying import Saying
 from rigsim.study.verify.case import Case
 
 Status: TypeAlias = Literal["passed", "inefficient", "failed", "error", "not applicable"]
@@ -32,7 +33,7 @@ class Check:
     """Most that passes."""
     unit: CheckUnit
     """Unit of the three numbers; empty for ratios."""
-    why: str
+    why: Saying
     """Where the bounds come from, and what the value means."""
     only_strict: bool = False
     """Whether leaving the interval is a matter of efficiency alone."""
