@@ -12,7 +12,8 @@ from rigsim.study.design.tolerance import DesignTolerance
 from rigsim.study.tolerance.count import Count
 from rigsim.study.tolerance.sensitivities import QUANTITIES, UNITS
 
-_CHANGED: Sentences = {
+CHANGED: Sentences = {
+    "nothing": "nothing",
     "more-pictures": "ten times the pictures",
     "known-length": "a length known to {std_mm:g} mm",
     "held": lambda quantities: f"{' and '.join(quantities)} held to a tenth of the class's tolerance",
@@ -31,7 +32,7 @@ def tolerance_says(tolerance: DesignTolerance) -> str:
 
 def attempt(tried: Attempt) -> str:
     """What was changed."""
-    return spoken(tried.change, _CHANGED)
+    return spoken(tried.change, CHANGED)
 
 
 def _must_hold(tolerance: DesignTolerance) -> str:

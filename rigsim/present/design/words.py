@@ -13,7 +13,7 @@ from rigsim.study.design.checks import RequirementCheck
 from rigsim.study.design.proof import Objection, Proof
 from rigsim.study.design.solve import Specification
 
-_NOISE: Sentences = {
+NOISE: Sentences = {
     "given": "given",
     "assumed": "assumed, as {why}",
     "assumed: none-given": "assumed, as none was given",
@@ -27,7 +27,7 @@ _NOISE: Sentences = {
 
 def noise(specification: Specification) -> str:
     """Where its noise comes from."""
-    return spoken(specification.noise_from, _NOISE)
+    return spoken(specification.noise_from, NOISE)
 
 
 def outcome(proof: Proof) -> str:

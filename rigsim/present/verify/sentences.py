@@ -39,6 +39,7 @@ ABOUT: Sentences = {
     "your rig": "The rig that was given.",
     "noisy": "{geometry} With {noise_px:g} px of noise in every coordinate, errors must be of the size that "
     "it causes.",
+    "sweep": "Points of a sweep.",
     "behind": "Lines of sight that meet behind the cameras: there is no point to be seen.",
     "identical images": "The left image twice: parallel lines of sight meet at infinity.",
     "swapped images": "Left image given as the right one: every disparity is negative, so nothing lies in "

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from rigsim.present.kit.mistakes.said import says as says
 from rigsim.present.kit.sayings import spoken
 from rigsim.present.verify.sentences import ABOUT, WHY
 from rigsim.study.verify.case import Case
@@ -126,11 +127,6 @@ def verdict(result: TriangulatorResult, strict: bool) -> str:
     if skipped and n:
         said += f"; {skipped} are not meant for it"
     return said
-
-
-def says(found: Diagnosis) -> str:
-    """What a mistake is, and where one would look, one sentence."""
-    return found.says
 
 
 def diagnosis(found: Diagnosis) -> str:

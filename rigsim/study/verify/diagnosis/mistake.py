@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 from rigsim.rig.arrays import Array
+from rigsim.study.saying import Saying, Value, saying
 from rigsim.study.verify.diagnosis.reenact import Given, Lenses, Solver
 
 Before: TypeAlias = Callable[[Given], Given]
@@ -19,10 +20,8 @@ After: TypeAlias = Callable[[Array, Given], Array]
 class Mistake:
     """One way to be wrong."""
 
-    name: str
-    """Stable short name, as ``swapped-images``; variants of one mistake share it."""
-    says: str
-    """What it is, and what to look for in the code, one sentence."""
+    said: Saying
+    """Its name, which of its forms, and what stands in the sentence of `rigsim.present.kit.mistakes`."""
     before: Before | None = None
     """What it does to pixels, lenses and pose; None for nothing."""
     after: After | None = None
@@ -31,6 +30,11 @@ class Mistake:
     """The only triangulator that makes it; None for any."""
     cost: float = 0.0
     """How much more it must explain to be believed before a simpler one."""
+
+    @property
+    def name(self) -> str:
+        """Stable short name, as ``swapped-images``; forms of one mistake share it."""
+        return self.said.subject
 
 
 def of_left(change: Callable[[Lenses], Lenses]) -> Before:
@@ -49,11 +53,15 @@ def of_both(change: Callable[[Lenses], Lenses]) -> Before:
 
 
 def sides(
-    name: str, says: str, change: Callable[[Lenses], Lenses], cost: float = 0.0
+    form: str, change: Callable[[Lenses], Lenses], cost: float = 0.0, **values: Value
 ) -> tuple[Mistake, Mistake, Mistake]:
-    """The mistake in both cameras, in the left one alone, in the right one alone; `says` has a ``{}``."""
+    """The mistake in both cameras, in the left one, in the right one: ``{side}`` of its sentence."""
+
+    def said(side: str) -> Saying:
+        return saying(form, **values, side=saying(side))
+
     return (
-        Mistake(name, says.format("both images"), of_both(change), cost=cost),
-        Mistake(name, says.format("the left image alone"), of_left(change), cost=cost + 0.002),
-        Mistake(name, says.format("the right image alone"), of_right(change), cost=cost + 0.002),
+        Mistake(said("in-both"), of_both(change), cost=cost),
+        Mistake(said("in-left"), of_left(change), cost=cost + 0.002),
+        Mistake(said("in-right"), of_right(change), cost=cost + 0.002),
     )
