@@ -6,7 +6,8 @@ from rigsim.present.kit.mistakes.of_answer import ANSWER
 from rigsim.present.kit.mistakes.of_cameras import CAMERAS
 from rigsim.present.kit.mistakes.of_distortion import DISTORTION
 from rigsim.present.kit.mistakes.of_fitted import FITTED
-from rigsim.present.kit.mistakes.of_lens import LENS
+from rigsim.present.kit.mistakes.of_lens import PIXELS
+from rigsim.present.kit.mistakes.of_numbers import NUMBERS
 from rigsim.present.kit.mistakes.of_pose import POSE
 from rigsim.present.kit.mistakes.of_rigs import CONDITIONS, UNKNOWN
 from rigsim.present.kit.mistakes.of_symptoms import ROWS, SYMPTOMS
@@ -17,7 +18,8 @@ from rigsim.study.verify.result import Diagnosis
 MISTAKES: Sentences = {
     **CAMERAS,
     **POSE,
-    **LENS,
+    **PIXELS,
+    **NUMBERS,
     **DISTORTION,
     **ANSWER,
     **FITTED,

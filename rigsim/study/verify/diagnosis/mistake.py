@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 from rigsim.rig.arrays import Array
 from rigsim.study.saying import Saying, Value, saying
@@ -14,6 +14,8 @@ Before: TypeAlias = Callable[[Given], Given]
 """What the triangulator is made to believe."""
 After: TypeAlias = Callable[[Array, Given], Array]
 """What becomes of the right points (N, 3) m; the second argument is what was truly given."""
+SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
+"""The two images."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,6 +52,11 @@ def of_right(change: Callable[[Lenses], Lenses]) -> Before:
 def of_both(change: Callable[[Lenses], Lenses]) -> Before:
     """Change either camera in the same way."""
     return lambda g: replace(g, left=change(g.left), right=change(g.right))
+
+
+def of_pixels(change: Callable[[Array], Array]) -> Before:
+    """Change the pixels (N, 2) of either image in the same way."""
+    return lambda g: replace(g, uv_left=change(g.uv_left), uv_right=change(g.uv_right))
 
 
 def sides(

@@ -11,7 +11,8 @@ from rigsim.rig.arrays import Array
 from rigsim.study.saying import saying
 from rigsim.study.verify.diagnosis.kinds.of_answer import ANSWER
 from rigsim.study.verify.diagnosis.kinds.of_distortion import DISTORTION
-from rigsim.study.verify.diagnosis.kinds.of_lens import NUMBERS, PIXELS
+from rigsim.study.verify.diagnosis.kinds.of_lens import PIXELS
+from rigsim.study.verify.diagnosis.kinds.of_numbers import NUMBERS
 from rigsim.study.verify.diagnosis.kinds.of_pose import POSE, invert
 from rigsim.study.verify.diagnosis.kinds.of_rectification import RECTIFICATION
 from rigsim.study.verify.diagnosis.mistake import Mistake
