@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rigsim.present.design.words import outcome
+from rigsim.present.design.tolerance import tolerance_says
+from rigsim.present.design.words import noise, outcome
 from rigsim.present.kit.console import make_console, print_table
 from rigsim.present.kit.format import MISSING, number
 from rigsim.study.design import words as words
@@ -53,7 +54,7 @@ def sentences(design: Design, proofs: Sequence[Proof]) -> tuple[str, ...]:
             "The measured points are corners of calibration boards, which are located most exactly; errors "
             "on ordinary surfaces are closer to the simulated ones."
         )
-    said.append(f"Pixel noise {spec.noise_px:.3g} px per coordinate: {spec.noise_says}.")
+    said.append(f"Pixel noise {spec.noise_px:.3g} px per coordinate: {noise(spec)}.")
     n = len(design.feasible)
     said.append(
         f"{n} of {len(design.intervals)} cameras qualify; {design.preference} first, with margin preferred."
@@ -205,7 +206,7 @@ def print_design(
         console=console,
     )
     if tolerance is not None:
-        console.print(tolerance.says, soft_wrap=True)
+        console.print(tolerance_says(tolerance), soft_wrap=True)
         console.print(yields_words(tolerance), soft_wrap=True)
         console.print()
     front = design.pareto[:_MOST]

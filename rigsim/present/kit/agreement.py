@@ -8,9 +8,9 @@ from collections.abc import Callable
 import pandas as pd
 
 from rigsim.present.kit.format import with_interval
+from rigsim.present.kit.mistakes.faults import fault as fault
 from rigsim.study.agreement.agreement import Agreement, AgreementPlace, Reason
 from rigsim.study.agreement.claims import BAND
-from rigsim.study.agreement.fault import Fault
 from rigsim.theory.uncertainty import LEAST_DEPTH_SIGMAS
 
 _ROWS = ("upper", "middle", "lower")
@@ -31,11 +31,6 @@ def reason(agreement: Agreement) -> str:
     if agreement.place is not None:
         said += f" {place(agreement.place)}"
     return said + (f"; {fault(agreement.fault)}" if agreement.fault is not None else "")
-
-
-def fault(found: Fault) -> str:
-    """What is off, without a full stop."""
-    return found.says
 
 
 def spelled(table: pd.DataFrame) -> pd.DataFrame:

@@ -11,6 +11,7 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.study.design import words as words
 from rigsim.study.design.budget import MARGIN
 from rigsim.study.design.solve import Candidate, Specification
+from rigsim.study.saying import Saying, saying
 from rigsim.study.tolerance.count import AS_BUILT, RECALIBRATED, Count, count_good
 from rigsim.study.tolerance.recalibration.session import Build, Recalibration
 from rigsim.study.tolerance.sensitivities import (
@@ -25,7 +26,6 @@ from rigsim.study.tolerance.sensitivities import (
 )
 
 _TIGHTER = 10.0
-_HELD = " held to a tenth of the class's tolerance"
 _SIGMAS = 2.5758  # a rise this many standard errors large is chance in one try of two hundred
 _LEAST_RISE = 0.02
 _POINTS = 32
@@ -47,8 +47,8 @@ class Best:
 class Attempt:
     """One thing that was changed, and the good rigs then."""
 
-    says: str
-    """What was changed, in words."""
+    change: Saying
+    """What was changed."""
     count: Count
     """The good rigs of the class that came nearest."""
 
@@ -60,7 +60,7 @@ class Attempt:
 
 @dataclass(frozen=True, slots=True)
 class _Attempted:
-    says: str
+    change: Saying
     rig: StereoRig
     tolerances: Tolerances
     noise_px: float
@@ -78,14 +78,14 @@ def attempts(
     """Build rigs of the class that comes nearest again, with one thing changed at a time."""
     range_m = (specification.near_m, specification.far_m)
     found = []
-    for change in _changes(specification, pick, best, required, others):
+    for tried in _changes(specification, pick, best, required, others):
         try:
             count = count_good(
                 Build(
-                    change.rig,
-                    change.tolerances,
-                    change.noise_px,
-                    change.session if best.recalibrated else None,
+                    tried.rig,
+                    tried.tolerances,
+                    tried.noise_px,
+                    tried.session if best.recalibrated else None,
                 ),
                 required,
                 range_m,
@@ -94,38 +94,8 @@ def attempts(
             )
         except InvalidRange:
             continue  # such a rig sees too little to be judged
-        found.append(Attempt(change.says, count))
+        found.append(Attempt(tried.change, count))
     return tuple(found)
-
-
-def help_sentence(best: Best, tried: Sequence[Attempt]) -> str:
-    """What of all that was tried would do, else what helps, else that nothing does; empty without any."""
-    if not tried:
-        return ""
-    how = "recalibrated" if best.recalibrated else "as built"
-    nearest = f"The closest is {best.name} {how}, {words.share(best.count.share)} %"
-    enough = _shortest([item for item in tried if item.count.is_enough])
-    if enough:
-        said = "; or ".join(f"{item.says} ({words.share(item.count.share)} %)" for item in enough)
-        return f"{nearest}: enough would be {said}."
-    helping = sorted((item for item in tried if item.helps(best.count)), key=lambda item: -item.count.share)
-    if helping:
-        said = ", ".join(f"{item.says} ({words.share(item.count.share)} %)" for item in helping)
-        return f"{nearest}; these help, but not enough alone: {said}."
-    said = ", ".join(item.says for item in tried)
-    return f"{nearest}; nothing that was tried helps: {said}. Relax the requirement, or raise --build-share."
-
-
-def _shortest(enough: Sequence[Attempt]) -> list[Attempt]:
-    """Without those that only hold more quantities than another."""
-    return [
-        item
-        for item in enough
-        if not any(
-            other is not item and item.says.startswith(other.says.removesuffix(_HELD)) and _HELD in other.says
-            for other in enough
-        )
-    ]
 
 
 def _changes(
@@ -137,39 +107,41 @@ def _changes(
 ) -> Iterator[_Attempted]:
     rig, noise_px = pick.rig, specification.noise_px
     session, built = Recalibration(noise_px=noise_px), CLASSES[best.name]
-    plain = _Attempted("", rig, built.tolerances(rig), noise_px, session)
+    plain = _Attempted(saying("nothing"), rig, built.tolerances(rig), noise_px, session)
     if best.recalibrated:
         yield replace(
             plain,
-            says="ten times the pictures",
+            change=saying("more-pictures"),
             session=replace(session, pictures=10 * session.pictures),
         )
         sharper = session.length_std_mm / _TIGHTER
         yield replace(
             plain,
-            says=f"a length known to {sharper:g} mm",
+            change=saying("known-length", std_mm=sharper),
             session=replace(session, length_std_mm=sharper),
         )
     else:
-        for says, values in _tighter(rig, plain.tolerances, required):
+        for names, values in _tighter(rig, plain.tolerances, required):
             bounds = plain.tolerances.bounds
             yield replace(
-                plain, says=says, tolerances=with_values(plain.tolerances, {**values, "bounds": bounds})
+                plain,
+                change=saying("held", quantities=names),
+                tolerances=with_values(plain.tolerances, {**values, "bounds": bounds}),
             )
     longest_m = pick.interval.upper.baseline_m / (1 + MARGIN)
     if longest_m > 1.02 * pick.baseline_m:
         longer = replace(pick, baseline_m=longest_m).rig
-        says = f"the longest baseline allowed, {words.size(longest_m)}"
-        yield replace(plain, says=says, rig=longer, tolerances=built.tolerances(longer))
+        change = saying("longest-baseline", baseline_m=longest_m)
+        yield replace(plain, change=change, rig=longer, tolerances=built.tolerances(longer))
     elsewhere = [item for item in others if item.camera != pick.camera]
     if elsewhere:
         other = min(elsewhere, key=lambda item: item.far_error_m)
-        says = f"another rig, {words.size(other.baseline_m)} baseline and {words.camera(other.camera)}"
-        yield replace(plain, says=says, rig=other.rig, tolerances=built.tolerances(other.rig))
+        change = saying("other-rig", baseline_m=other.baseline_m, camera=words.camera(other.camera))
+        yield replace(plain, change=change, rig=other.rig, tolerances=built.tolerances(other.rig))
     half = noise_px / 2
     yield replace(
         plain,
-        says=f"half the pixel noise, {half:.3g} px",
+        change=saying("half-noise", noise_px=half),
         noise_px=half,
         session=replace(session, noise_px=half),
     )
@@ -177,7 +149,7 @@ def _changes(
 
 def _tighter(
     rig: StereoRig, tolerances: Tolerances, required: BuildRequirement
-) -> Iterator[tuple[str, Mapping[str, float]]]:
+) -> Iterator[tuple[tuple[str, ...], Mapping[str, float]]]:
     """The quantities that do most held to a tenth: the first, the first two, the first three."""
     off = causes(rig, tolerances)
     errors = first_order(rig, off, shared_points(rig, required.depth_m, _POINTS))
@@ -192,4 +164,4 @@ def _tighter(
         name = QUANTITIES[off.keys[places[0]]]
         named.append(name if len(places) == 1 else name.replace("left ", "").replace("right ", ""))
         values.update({off.keys[place]: float(off.values[place]) / _TIGHTER for place in places})
-        yield f"{' and '.join(named)}{_HELD}", dict(values)
+        yield tuple(named), dict(values)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from typing import Any, cast
+from collections.abc import Sequence
+from typing import Any, Protocol, cast
 
 from rigsim.interop.documents.design.models import (
     Achieved,
@@ -25,9 +25,10 @@ from rigsim.interop.documents.design.models import (
 from rigsim.interop.documents.text import clean
 from rigsim.interop.documents.tolerance import quantities_part, required_part
 from rigsim.study.design import words as labels
+from rigsim.study.design.help import Attempt
 from rigsim.study.design.proof import Proof, held_to, recommended
 from rigsim.study.design.solve import Candidate as Picked
-from rigsim.study.design.solve import Design
+from rigsim.study.design.solve import Design, Specification
 from rigsim.study.design.tolerance import DesignTolerance as Held
 from rigsim.theory.inverse import BaselineBound as End
 from rigsim.theory.inverse import Interval, Requirement
@@ -44,20 +45,36 @@ _UNITS: dict[Kind, tuple[Unit, float]] = {
 }
 
 
+class Words(Protocol):
+    """The sentences of the document, made by whoever calls: `rigsim.present.design.words` has them all."""
+
+    def outcome(self, proof: Proof) -> str:
+        """How a rig was verified, or why not."""
+
+    def noise(self, specification: Specification) -> str:
+        """Where the noise comes from."""
+
+    def attempt(self, tried: Attempt) -> str:
+        """What was changed where no class will do."""
+
+    def tolerance_says(self, tolerance: Held) -> str:
+        """What the build must hold, and who holds it."""
+
+
 def design_document(
     design: Design,
     proofs: Sequence[Proof],
     tolerance: Held | None,
-    outcome: Callable[[Proof], str],
+    words: Words,
 ) -> dict[str, Any]:
-    """The answer, as docs/reference/design.md says; `outcome` says how a rig was verified or why not."""
+    """The answer, as docs/reference/design.md says; `words` has its sentences."""
     pick = recommended(design, proofs)
     spec = design.specification
     return DesignDocument(
         recommended=Recommended(
             **_rig(pick),
             verified=any(proof.verified for proof in proofs),
-            reason=_reason(pick, proofs, outcome),
+            reason=_reason(pick, proofs, words),
             margin=clean(pick.margin),
             noise_share=clean(pick.noise_share),
             **_class(tolerance),
@@ -68,7 +85,7 @@ def design_document(
         build_share=clean(spec.build_share),
         noise_px=clean(spec.noise_px),
         noise_source=spec.noise_source,
-        noise_says=spec.noise_says,
+        noise_says=words.noise(spec),
         preference=cast("Preference", design.preference),
         cameras_tried=len(design.intervals),
         feasible=[_feasible(interval) for interval in design.feasible],
@@ -77,20 +94,20 @@ def design_document(
             Proved(
                 **_rig(proof.candidate) | {"sensor": proof.sensor or None},
                 verified=proof.verified,
-                reason=outcome(proof),
+                reason=words.outcome(proof),
                 measured_method=proof.method or None,
             )
             for proof in proofs
         ],
-        tolerance=None if tolerance is None else _tolerance(tolerance),
+        tolerance=None if tolerance is None else _tolerance(tolerance, words),
     ).model_dump(by_alias=True)
 
 
-def _reason(pick: Picked, proofs: Sequence[Proof], outcome: Callable[[Proof], str]) -> str:
+def _reason(pick: Picked, proofs: Sequence[Proof], words: Words) -> str:
     if not proofs:
         return "not verified: no proof was asked for"
     # of a rig that failed with less noise first, what was found last
-    return outcome(next((proof for proof in reversed(proofs) if proof.candidate == pick), proofs[-1]))
+    return words.outcome(next((proof for proof in reversed(proofs) if proof.candidate == pick), proofs[-1]))
 
 
 def _class(tolerance: Held | None) -> dict[str, Any]:
@@ -110,7 +127,7 @@ def _rig(candidate: Picked) -> dict[str, Any]:
     }
 
 
-def _tolerance(tolerance: Held) -> DesignTolerance:
+def _tolerance(tolerance: Held, words: Words) -> DesignTolerance:
     """What must be held how tightly, and the yields of the classes."""
     result = tolerance.result
     return DesignTolerance(
@@ -136,14 +153,14 @@ def _tolerance(tolerance: Held) -> DesignTolerance:
         },
         tried=[
             Tried(
-                says=item.says,
+                says=words.attempt(item),
                 yields=item.count.share,
                 yield_se=item.count.standard_error,
                 enough=item.count.is_enough,
             )
             for item in tolerance.advice
         ],
-        says=tolerance.says,
+        says=words.tolerance_says(tolerance),
     )
 
 

@@ -97,14 +97,14 @@ class _Trial:
             )
             if failing and share >= _CONVINCING
         )
-        says = self.mistake.says
+        only = None
         if self.only_sometimes:
             cases = [result.case for result in self.evidence.results]
             failing = self.evidence.failing
             broken = [case for case, fails in zip(cases, failing, strict=True) if fails]
             spared = [case for case, i in zip(cases, self.breaks & ~failing, strict=True) if i]
-            says = f"{says.removesuffix('.')}; {set_apart(broken, spared)}."
-        return Diagnosis(self.mistake.name, says, self.explained, names)
+            only = set_apart(broken, spared)
+        return Diagnosis(self.mistake.said, self.explained, names, only)
 
 
 def _answers(
