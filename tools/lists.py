@@ -9,8 +9,8 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable
 
-from rigsim.interop.files.dataset import DATASET_FORMATS
 from rigsim.interop.formats import registry as formats
+from rigsim.interop.layouts import registry as layouts
 from rigsim.rig.catalogue.sensors import SENSORS
 from rigsim.rig.presets import PRESETS
 from rigsim.sim.scenes import library
@@ -27,7 +27,7 @@ def for_help() -> str:
         "TRIANGULATORS": triangulators.BY_NAME,
         "GEOMETRIES": (geometry.name for geometry in GEOMETRIES),
         "RIG_FORMATS": formats.RIG_FORMATS,
-        "DATASET_FORMATS": DATASET_FORMATS,
+        "DATASET_FORMATS": layouts.BY_NAME,
     }
     return "\n".join(_assigned(name, ", ".join(words)) for name, words in lists.items())
 
@@ -59,11 +59,16 @@ def formats_table() -> str:
             one.says,
             f"`{one.in_folder}`",
             "yes" if one.write else "",
-            "yes" if one.name in DATASET_FORMATS else "",
+            "yes" if one.name in layouts.BY_NAME else "",
         )
         for one in formats.ALL
     )
     return _table(("name", "what", "known by", "rigs written", "data sets written"), rows)
+
+
+def layouts_table() -> str:
+    """Every layout of data sets."""
+    return _table(("name", "what"), ((f"`{one.name}`", one.says.replace("``", "`")) for one in layouts.ALL))
 
 
 def others_table() -> str:
