@@ -10,8 +10,8 @@ import textwrap
 from collections.abc import Iterable
 from dataclasses import replace
 
-from rigsim.interop.files.dataset import DATASET_FORMATS
 from rigsim.interop.formats import registry as formats
+from rigsim.interop.layouts import registry as layouts
 from rigsim.rig.catalogue.sensors import SENSORS
 from rigsim.rig.presets import PRESETS
 from rigsim.sim.scenes import library
@@ -31,7 +31,7 @@ def for_help() -> str:
         "TRIANGULATORS": triangulators.BY_NAME,
         "GEOMETRIES": (geometry.name for geometry in GEOMETRIES),
         "RIG_FORMATS": formats.RIG_FORMATS,
-        "DATASET_FORMATS": DATASET_FORMATS,
+        "DATASET_FORMATS": layouts.BY_NAME,
     }
     return "\n".join(_assigned(name, ", ".join(words)) for name, words in lists.items())
 
@@ -79,11 +79,16 @@ def formats_table() -> str:
             one.says,
             f"`{one.in_folder}`",
             "yes" if one.write else "",
-            "yes" if one.name in DATASET_FORMATS else "",
+            "yes" if one.name in layouts.BY_NAME else "",
         )
         for one in formats.ALL
     )
     return _table(("name", "what", "known by", "rigs written", "data sets written"), rows)
+
+
+def layouts_table() -> str:
+    """Every layout of data sets."""
+    return _table(("name", "what"), ((f"`{one.name}`", one.says.replace("``", "`")) for one in layouts.ALL))
 
 
 def others_table() -> str:

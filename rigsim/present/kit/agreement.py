@@ -106,6 +106,7 @@ _SAID: dict[Reason, Callable[[Agreement], str]] = {
     "outliers": lambda one: f"{_percent(one.ratio)} of the measured points are wrong matches",
     "worse-than-claimed": _claim,
     "no-points": lambda one: one.cause,
+    "triangulator-failed": lambda one: one.cause,
     "nothing-shared": lambda _: "left and right see nothing in common",
     "too-far": lambda _: f"every depth is below {LEAST_DEPTH_SIGMAS:g} of its standard deviations",
     "exact": lambda _: "without noise there is no error to compare; every point is found exactly",

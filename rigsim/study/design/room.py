@@ -148,6 +148,8 @@ class Room:
         truth = trial.seen.truth
         plan = replace(trial.plan, noises=(noise,))
         outcome: Outcome = all_rows(self._simulator, rig, plan, trial.seen, trial.measured)
+        if outcome.broken:
+            raise outcome.broken[0]
         _, stats = simulate(
             self._simulator, rig, truth, noise, plan, np.zeros(len(truth.visible), dtype=np.int32)
         )

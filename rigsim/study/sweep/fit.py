@@ -13,7 +13,7 @@ import numpy as np
 
 from rigsim.errors import InvalidRig
 from rigsim.rig.arrays import Array
-from rigsim.rig.lens.distortion import BrownConrady
+from rigsim.rig.lens.distortion import are_brown, brown_of
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.agreement.views import views
@@ -130,7 +130,8 @@ def _differences(assumed: StereoRig, true: StereoRig) -> dict[str, float]:
     result |= {"axial": aside[2], "vertical": aside[1]}
     lenses = {}
     for side, was, now in (("left", assumed.left, true.left), ("right", assumed.right, true.right)):
-        k1 = [(lens.distortion or BrownConrady()).k1 for lens in (now, was)]
+        bent = (now.distortion, was.distortion)
+        k1 = [brown_of(lens, "k1").k1 for lens in bent] if are_brown(*bent) else [0.0, 0.0]
         lenses[side] = {
             "focal": now.fy / was.fy - 1,
             "fx": now.fx / was.fx - now.fy / was.fy,

@@ -15,8 +15,8 @@ import numpy as np
 
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
-from rigsim.rig.lens.distortion import BrownConrady
-from rigsim.rig.perturbation import Perturbation
+from rigsim.rig.lens.distortion import are_brown
+from rigsim.rig.perturbation import Perturbation, with_k1
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 from rigsim.theory.triangulation import triangulate
@@ -47,7 +47,8 @@ def models(rig: StereoRig, points_left: Array) -> Iterator[Model]:
     """Every mistake with an amount, the likelier first, for points (N, 3) m and the rig that is assumed."""
     yield from _of_answers(rig, points_left)
     for name, unit, scale, step, change in (*_BOTH, *_RIGHT, *_LEFT, *_pose(rig)):
-        yield Model(name, unit, scale, step, _rig_answers(rig, points_left, change))
+        if not _lacks_k1(rig, name):
+            yield Model(name, unit, scale, step, _rig_answers(rig, points_left, change))
 
 
 _Change: TypeAlias = Callable[[StereoRig, float], StereoRig]
@@ -93,8 +94,14 @@ def _lens(side: str, change: Callable[[Intrinsics, float], Intrinsics]) -> _Chan
 
 
 def _k1(lens: Intrinsics, amount: float) -> Intrinsics:
-    distortion = lens.distortion or BrownConrady()
-    return replace(lens, distortion=replace(distortion, k1=distortion.k1 + amount))
+    return replace(lens, distortion=with_k1(lens.distortion, amount))
+
+
+def _lacks_k1(rig: StereoRig, name: str) -> bool:
+    """Whether a mistake's `name` is of a k1 that a lens of another model does not have."""
+    side = name.removesuffix("-k1")
+    lenses = {"left": (rig.left,), "right": (rig.right,), "both": (rig.left, rig.right)}.get(side, ())
+    return side != name and not are_brown(*(lens.distortion for lens in lenses))
 
 
 _CHANGES: tuple[tuple[str, str, float, float, Callable[[Intrinsics, float], Intrinsics]], ...] = (

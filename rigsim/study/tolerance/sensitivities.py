@@ -120,8 +120,9 @@ def first_order(rig: StereoRig, off: Causes, points: Array) -> Array:
         (rig.left, rig.right), rig.project(points), (slice(2), slice(2, 4)), strict=True
     ):
         grown += np.einsum("ni,ni->n", gain[:, moves], uv - (camera.cx, camera.cy)) / rig.left.fx
-    columns = [*(table[name] for name in NAMES), gain[:, 3], grown]
-    return np.asarray(np.stack(columns, axis=1) @ off.effect.T * off.std)
+    columns = np.stack([*(table[name] for name in NAMES), gain[:, 3], grown], axis=1)
+    columns[:, ~off.effect.any(axis=0)] = 0.0  # a lens without k1 has no effect of it, not even one of 0
+    return np.asarray(columns @ off.effect.T * off.std)
 
 
 def shared_points(rig: StereoRig, depth_m: float, count: int) -> Array:

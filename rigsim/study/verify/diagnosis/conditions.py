@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.study.saying import Saying, saying
 from rigsim.study.verify.case import Case
 
@@ -50,8 +51,8 @@ def _direction(axis: int) -> Callable[[Case], float]:
 
 
 def _k1(case: Case) -> float:
-    bent = [camera.distortion.k1 for camera in (case.rig.left, case.rig.right) if camera.distortion]
-    return max(bent, default=0.0)
+    lenses = (case.rig.left.distortion, case.rig.right.distortion)
+    return max((lens.k1 for lens in lenses if isinstance(lens, BrownConrady)), default=0.0)
 
 
 def _off_axis_deg(case: Case) -> float:
