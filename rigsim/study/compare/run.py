@@ -161,14 +161,12 @@ def compare(
             found = _found(geometry, points_left, noise_px, noisy, fitting, gone)
             must = bound(geometry.rig, points_left, noise_px)
             for label, mine in found.items():
-                rows.append(
-                    {col.GEOMETRY: geometry.name, col.NOISE: noise_px, col.TRIANGULATOR: label}
-                    | figures(mine, found.get(first), must, noise_px)
-                    | {
-                        col.POINTS_PER_SECOND: speed[label],
-                        col.SPEED_OVER_FIRST: speed[label] / first_speed,
-                    }
-                )
+                about = {col.GEOMETRY: geometry.name, col.NOISE: noise_px, col.TRIANGULATOR: label}
+                speeds = {
+                    col.POINTS_PER_SECOND: speed[label],
+                    col.SPEED_OVER_FIRST: speed[label] / first_speed,
+                }
+                rows.append(about | figures(mine, found.get(first), must, noise_px) | speeds)
             on_step()
     said = (*left_out, *gone.sentences())
     if not rows:
