@@ -114,8 +114,10 @@ def test_the_table_of_all_rows_shows_the_frame(result: SweepResult, page: Page) 
     assert len(shown) == len(result.rows)
     for (_, row), cells in zip(result.rows.iterrows(), shown, strict=True):
         assert cells[0].removeprefix("★ ") == fmt.plain(row["baseline_mm"])
-        assert cells[1] == fmt.number(row["depth_rmse_mm"])
-        low, high = fmt.number(row["depth_rmse_ci_low_mm"]), fmt.number(row["depth_rmse_ci_high_mm"])
+        error, low, high = fmt.with_interval(
+            *(row[f"depth_rmse_{name}mm"] for name in ("", "ci_low_", "ci_high_"))
+        )
+        assert cells[1] == error
         assert cells[2] == f"{low} – {high}"
         assert cells[3] == fmt.number(row["predicted_depth_rmse_mm"])
         assert cells[4] == fmt.ratio(row["predicted_over_simulated"])
@@ -151,7 +153,10 @@ def test_the_depth_table_is_that_of_the_best_row(result: SweepResult) -> None:
     best = result.rows.iloc[result.best[0]]
     expected = result.by_depth[result.by_depth["baseline_mm"] == best["baseline_mm"]]
     table = best_by_depth(result)
-    assert [row.cells[3] for row in table.rows] == [fmt.number(v) for v in expected["depth_rmse_mm"]]
+    ends = (expected[f"depth_rmse_{name}mm"] for name in ("", "ci_low_", "ci_high_"))
+    assert [row.cells[3] for row in table.rows] == [
+        fmt.with_interval(*three)[0] for three in zip(*ends, strict=True)
+    ]
     assert table.rows[0].cells[0] == fmt.number(expected["depth_near_mm"].iloc[0] / 1e3)
 
 
