@@ -19,7 +19,7 @@ from rigsim.cli.kit.progress import shown
 from rigsim.cli.kit.rigs import RigOptions
 from rigsim.cli.kit.sensors import Blur, FullWell, ReadNoise, SensorName, sensor_words
 from rigsim.cli.kit.triangulators import TIMEOUT, InProcess
-from rigsim.errors import InvalidRange
+from rigsim.errors import InvalidRange, TriangulatorError
 from rigsim.study.scene.axes import registry
 
 MANY_RIGS = 1000
@@ -145,7 +145,7 @@ def sweep(typed: Mapping[str, str], words: SweepWords) -> None:
     if not result.complete:
         raise typer.Exit(interrupts.INTERRUPTED)
     if result.broken:
-        raise typer.Exit(1)
+        raise TriangulatorError(result.broken, "raised")
 
 
 def _rigs(typed: Mapping[str, str], words: SweepWords) -> RigOptions:

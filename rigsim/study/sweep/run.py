@@ -113,17 +113,18 @@ class _Done:
         found: dict[str, Remark] = {}
         for outcome in self.outcomes:
             found = {remark.code: remark for remark in outcome.remarks} | found
-        if self.broken:
-            found["triangulator-failed"] = self._breakage()
         return tuple(found.values())
 
-    def _breakage(self) -> Remark:
+    @property
+    def breakage(self) -> str:
+        """Of `SweepResult.broken`."""
+        if not self.broken:
+            return ""
         n = sum(len(outcome.rows) for outcome in self.outcomes)
         why = list(dict.fromkeys(map(str, self.broken)))
         more = f"; and {len(why) - 3} other errors" if len(why) > 3 else ""
         have = "has" if len(self.broken) == 1 else "have"
-        said = f"{len(self.broken)} of {n} rows {have} no result: {'; '.join(why[:3])}{more}"
-        return Remark("triangulator-failed", said)
+        return f"{len(self.broken)} of {n} rows {have} no result: {'; '.join(why[:3])}{more}"
 
 
 def _run_all(
@@ -193,7 +194,7 @@ def _conclude(done: _Done, plan: Plan, simulator: Simulator, lens_held: Held) ->
         beyond_fraction=done.beyond_fraction,
         has_two_rigs=plan.assumed is not None or plan.perturbation is not None,
         complete=done.complete,
-        broken=tuple(map(str, done.broken)),
+        broken=done.breakage,
         faults=tuple(fault for outcome in done.outcomes for fault in outcome.faults),
         remarks=done.remarks,
     )
