@@ -12,19 +12,17 @@ from rigsim.interop.documents.base import Part, SeenRig
 from rigsim.interop.documents.text import clean
 from rigsim.interop.documents.tolerance import Quantity, Required, quantities_part, required_part
 from rigsim.study.design import words as labels
-from rigsim.study.design.proof import Proof, held_to, recommended
+from rigsim.study.design.proof import Proof, held_to, recommended, verdict
 from rigsim.study.design.solve import Candidate as Picked
 from rigsim.study.design.solve import Design
 from rigsim.study.design.tolerance import DesignTolerance as Held
 from rigsim.theory.inverse import BaselineBound as End
-from rigsim.theory.inverse import Interval, Requirement
+from rigsim.theory.inverse import Interval, Requirement, RequirementKind
 
-Kind = Literal[
-    "depth_error", "far_disparity", "max_disparity", "overlap", "cover", "max_baseline", "fov", "pixels"
-]
+Kind = RequirementKind
 """A requirement's name."""
 
-Preference = Literal["smallest", "cheapest", "most-accurate"]
+Preference = Literal["buildable", "smallest", "cheapest", "most-accurate"]
 
 Unit = Literal["mm", "px", "fraction", "deg", "standard deviations"]
 """What a requirement's numbers are in."""
@@ -74,11 +72,16 @@ class Recommended(Candidate):
     noise_share: float
     """What pixel noise takes of the variance of the depth error asked for; of the worst of several."""
     class_name: Literal["printed", "machined", "calibrated"] | None = Field(alias="class")
-    """The widest class of which 95 of 100 rigs keep the farthest depth error with noise; null for none."""
+    """The widest class of which 95 of 100 rigs keep the farthest depth error with noise, else the class asked
+    for; null where no built rig can be judged."""
     class_state: Literal["as_built", "recalibrated"] | None
-    """Whether it does as built, or once every rig is recalibrated."""
+    """How: as built, or once every rig is recalibrated."""
+    class_enough: bool | None
+    """Whether 95 of 100 are good; null where that is not told."""
     yield_pct: float | None
-    """Good rigs of that class in that state, %."""
+    """Good rigs of that class in that state, noise and build together, %."""
+    limited_by: str | None
+    """What limits that yield: a quantity, by its key as in `tolerance.quantities`, or `noise`."""
 
 
 class Proved(Candidate):
@@ -145,6 +148,8 @@ class Achieved(Part):
     """Matches that rests on."""
     met: bool
     """Whether it is met, by all that is known."""
+    verdict: Literal["met", "not_met", "not_shown"]
+    """The same; not_shown where the scene has nothing that could show it."""
 
 
 class Feasible(Camera):
@@ -299,12 +304,17 @@ def _reason(pick: Picked, proofs: Sequence[Proof], outcome: Callable[[Proof], st
 
 
 def _class(tolerance: Held | None) -> dict[str, Any]:
-    """The class that will do, how, and its yield; null for none."""
-    found = None if tolerance is None else tolerance.recommended
-    if found is None:
-        return {"class": None, "class_state": None, "yield_pct": None}
-    name, state, count = found
-    return {"class": name, "class_state": state, "yield_pct": clean(100 * count.share)}
+    """The class that will do or was asked for, how, its yield and what limits it; null where none is told."""
+    if tolerance is None:
+        return dict.fromkeys(("class", "class_state", "class_enough", "yield_pct", "limited_by"))
+    name, state, count = tolerance.told
+    return {
+        "class": name,
+        "class_state": state,
+        "class_enough": count.is_enough,
+        "yield_pct": clean(100 * count.share),
+        "limited_by": tolerance.limited_by,
+    }
 
 
 def _rig(candidate: Picked) -> dict[str, Any]:
@@ -390,10 +400,13 @@ def _label(requirement: Requirement | None) -> Kind | None:
 _UNITS: dict[Kind, tuple[Unit, float]] = {
     "depth_error": ("mm", 1e3),
     "cover": ("mm", 1e3),
+    "cover_height": ("mm", 1e3),
     "max_baseline": ("mm", 1e3),
+    "min_baseline": ("mm", 1e3),
     "max_disparity": ("px", 1.0),
     "overlap": ("fraction", 1.0),
     "fov": ("deg", math.degrees(1)),
+    "vfov": ("deg", math.degrees(1)),
     "pixels": ("px", 1.0),
     "far_disparity": ("standard deviations", 1.0),
 }
@@ -403,6 +416,7 @@ def _achieved(asked: Requirement, pick: Picked, design: Design, proofs: Sequence
     unit, scale = _UNITS[asked.kind]
     predicted = asked.achieved(pick.camera, pick.baseline_m, design.specification.disparity_std_px)
     held = held_to(asked, pick, proofs)
+    told = verdict(asked, pick, proofs, design.specification)
     return Achieved(
         requirement=asked.kind,
         statistic="p95" if asked.per_std != 1 else "std",
@@ -418,7 +432,8 @@ def _achieved(asked: Requirement, pick: Picked, design: Design, proofs: Sequence
         farthest_mm=None if held is None else _known(held.farthest_m * 1e3),
         measured=None if held is None else _known(held.measured * scale),
         measured_n=0 if held is None else held.n_measured,
-        met=bool(asked.is_met(predicted) if held is None else held.is_met and not held.is_missed_by_pixels),
+        met=told == "met",
+        verdict=told,
     )
 
 

@@ -11,9 +11,11 @@ from rigsim.present.design.words import outcome
 from rigsim.present.kit.console import make_console, print_table
 from rigsim.present.kit.format import MISSING, number
 from rigsim.study.design import words as words
-from rigsim.study.design.proof import Proof, held_to, recommended
+from rigsim.study.design.proof import Proof, held_to, recommended, verdict
 from rigsim.study.design.solve import Candidate, Design, Specification
 from rigsim.study.design.tolerance import DesignTolerance
+from rigsim.study.tolerance.predicted import NOISE
+from rigsim.study.tolerance.sensitivities import QUANTITIES
 from rigsim.theory.inverse import Requirement
 
 if TYPE_CHECKING:
@@ -80,8 +82,8 @@ def requirement_rows(design: Design, proofs: Sequence[Proof]) -> list[tuple[str,
     for asked in spec.requirements:
         held = held_to(asked, pick, proofs)
         formula = achieved_value(asked, pick, spec)
-        met = asked.is_met(formula) and (held is None or held.is_met)
-        missed = held is not None and held.is_missed_by_pixels
+        told = verdict(asked, pick, proofs, spec)
+        missed = held is not None and held.is_met and held.is_missed_by_pixels
         rows.append(
             (
                 words.name(asked),
@@ -89,7 +91,7 @@ def requirement_rows(design: Design, proofs: Sequence[Proof]) -> list[tuple[str,
                 words.value(asked, formula, 3),
                 _said(asked, math.nan if held is None else held.simulated),
                 _said(asked, math.nan if held is None else held.measured),
-                "not met" if not met else "measured: not met" if missed else "met",
+                "measured: not met" if missed else told.replace("_", " "),
             )
         )
     return rows
@@ -156,6 +158,14 @@ def yields_words(tolerance: DesignTolerance) -> str:
     )
 
 
+def limit_words(tolerance: DesignTolerance) -> str:
+    """What limits the yield, in a sentence."""
+    name, state, count = tolerance.told
+    limit = "pixel noise" if tolerance.limited_by == NOISE else QUANTITIES[tolerance.limited_by]
+    how = "recalibrated" if state == "recalibrated" else "as built"
+    return f"Class {name}, {how}: {words.share(count.share)} % with noise and build, limited most by {limit}."
+
+
 def candidate_row(candidate: Candidate) -> tuple[str, ...]:
     """One rig as the cells of `CANDIDATE_HEADS`."""
     camera = candidate.camera
@@ -207,6 +217,7 @@ def print_design(
     if tolerance is not None:
         console.print(tolerance.says, soft_wrap=True)
         console.print(yields_words(tolerance), soft_wrap=True)
+        console.print(limit_words(tolerance), soft_wrap=True)
         console.print()
     front = design.pareto[:_MOST]
     more = f", {_MOST} of {len(design.pareto)}" if len(design.pareto) > _MOST else ""
