@@ -1,6 +1,7 @@
 """The lists that help texts and docs show, made from the registries; cog writes them.
 
-After a change of a registry: ``.venv/bin/cog -r -I tools rigsim/cli/kit/lists.py docs/reference/columns.md``.
+After a change of a registry: ``.venv/bin/cog -r -I tools rigsim/cli/kit/lists.py docs/reference/columns.md
+docs/reference/sensors.md``.
 """
 
 from __future__ import annotations
@@ -73,6 +74,35 @@ def others_table() -> str:
         ("sensors", _names(SENSORS)),
     )
     return _table(("of", "names"), rows)
+
+
+def sensors_table() -> str:
+    """Every sensor with a name, each figure with its source."""
+    heads = (
+        *("sensor", "maker", "pixel µm", "image px", "shutter", "bits", "full well e⁻", "read noise e⁻"),
+        *("source of pixel and image", "source of electrons", "source of shutter"),
+    )
+    rows = (
+        (
+            one.name.upper(),
+            one.maker,
+            f"{one.pitch_um:g}",
+            f"{one.width}x{one.height}",
+            one.shutter or "–",
+            str(one.bits),
+            _known(one.full_well_e),
+            _known(one.read_noise_e),
+            one.geometry_source,
+            one.noise_source or "–",
+            "that of pixel and image" if one.shutter_source == one.geometry_source else one.shutter_source,
+        )
+        for one in SENSORS.values()
+    )
+    return _table(heads, rows)
+
+
+def _known(value: float | None) -> str:
+    return "–" if value is None else f"{value:g}"
 
 
 def _columns(found: Iterable[Column]) -> str:

@@ -51,14 +51,15 @@ def scenes(as_json: Json = False) -> None:
         rows,
     )
     print_table(
-        "Sensors (--sensor)",
-        ("sensor", "maker", "pixel um", "image px", "bits", "full well e-", "read noise e-"),
+        "Sensors (--sensor), full well and read noise in electrons",
+        ("sensor", "maker", "pixel um", "image px", "shutter", "bits", "full well", "read noise"),
         [
             (
                 sensor.name,
                 sensor.maker,
                 f"{sensor.pitch_um:g}",
                 f"{sensor.width}x{sensor.height}",
+                sensor.shutter or "–",
                 sensor.bits,
                 _electrons(sensor.full_well_e),
                 _electrons(sensor.read_noise_e),
@@ -80,7 +81,9 @@ def _electrons(value: float | None) -> str:
 
 
 def _source(sensor: SensorPreset) -> str:
-    """Where its numbers come from; one source in two words is named once."""
-    if sensor.noise_source.startswith(sensor.geometry_source):
-        return sensor.noise_source
-    return "; ".join(text for text in (sensor.geometry_source, sensor.noise_source) if text)
+    """Where its numbers and its shutter come from; one source in two words is named once."""
+    geometry, noise, shutter = sensor.geometry_source, sensor.noise_source, sensor.shutter_source
+    texts = [noise if noise.startswith(geometry) else "; ".join(text for text in (geometry, noise) if text)]
+    if not texts[0].startswith(shutter):
+        texts.append(f"shutter: {shutter}")
+    return "; ".join(texts)

@@ -114,6 +114,9 @@ def test_scenes_leave_out_what_nobody_published(capsys: pytest.CaptureFixture[st
     sensors = {item["name"]: item for item in said["sensors"]}
     assert (sensors["imx477"]["full_well_e"], sensors["imx477"]["pitch_um"]) == (8180, 1.55)
     assert sensors["imx219"]["full_well_e"] is sensors["imx219"]["noise_source"] is None
+    shutters = {name: sensors[name]["shutter"] for name in ("imx273", "imx477", "imx290")}
+    assert shutters == {"imx273": "global", "imx477": "rolling", "imx290": None}
+    assert sensors["imx290"]["shutter_source"].startswith("none found: ")
     rigs = {item["name"]: item for item in said["presets"]}
     assert (rigs["boards"]["baseline_mm"], rigs["boards"]["focal_px"]) == (120, 900)
 

@@ -80,6 +80,10 @@ def test_labels_are_short_and_say_what_differs() -> None:
     assert sensor_labels([SENSORS["imx250"].sensor(bits=8, gain=2)]) == ("IMX250, 8 bit, gain 2",)
     assert sensor_labels([SENSORS["ov5647"].sensor(read_noise_e=4)]) == ("OV5647, read noise 4 e-",)
     assert sensor_labels([Sensor(full_well_e=9000, bits=0)]) == ("no rounding, full well 9000 e-",)
+    # IMX265, IMX304 and IMX392 have the same pixels: nothing in the electrons says which it is
+    siblings = "12 bit, full well 10400 e-, read noise 2.1 e-"
+    assert sensor_labels([SENSORS["imx304"].sensor()]) == (siblings,)
+    assert sensor_labels([SENSORS["imx304"].sensor()], "imx304") == ("IMX304",)
     given = sensors_from("IMX296", full_well="10000", read_noise="2.5", blur="0.7")
     assert sensor_labels(given, "IMX296") == ("IMX296, full well 10000 e-, read noise 2.5 e-, blur 0.7 px",)
     assert sensor_labels(given) == ("10 bit, full well 10000 e-, read noise 2.5 e-, blur 0.7 px",)
@@ -153,12 +157,14 @@ def test_scenes_lists_every_sensor_within_80_columns(
             preset.maker,
             shown(preset.pitch_um),
             f"{preset.width}x{preset.height}",
+            preset.shutter or "–",
             str(preset.bits),
             shown(preset.full_well_e),
             shown(preset.read_noise_e),
         ]
         assert f"{preset.name} {preset.geometry_source}" in words
         assert preset.noise_source in words
+        assert preset.shutter_source in words
 
 
 def cells(line: str) -> list[str]:
@@ -173,11 +179,15 @@ def test_the_page_holds_every_sensor_as_it_is(preset: SensorPreset) -> None:
         preset.maker,
         shown(preset.pitch_um),
         f"{preset.width}x{preset.height}",
+        preset.shutter or "–",
         str(preset.bits),
         shown(preset.full_well_e),
         shown(preset.read_noise_e),
         preset.geometry_source,
         preset.noise_source or "–",
+        "that of pixel and image"
+        if preset.shutter_source == preset.geometry_source
+        else preset.shutter_source,
     ]
 
 

@@ -13,7 +13,7 @@ from rigsim.study.scene import axes
 from rigsim.study.scene.axes import registry as axis_registry
 
 ROOT = Path(__file__).resolve().parents[2]
-MADE = ("rigsim/cli/kit/lists.py", "docs/reference/columns.md")
+MADE = ("rigsim/cli/kit/lists.py", "docs/reference/columns.md", "docs/reference/sensors.md")
 
 
 @pytest.mark.parametrize("name", MADE)

@@ -85,7 +85,7 @@ def sensor_labels(sensors: Sequence[Sensor], name: str | None = None) -> tuple[s
 
     Args:
         sensors: What `SensorOptions.all` returned.
-        name: The preset they come from; None recognises those with published noise by their electrons.
+        name: The preset they come from; None recognises it by electrons that no other preset has.
 
     Returns:
         One label each; those of different levels of image noise differ.
@@ -119,11 +119,7 @@ def _named(name: str, full_well_e: float | None, read_noise_e: float | None) -> 
 
 
 def _label(sensor: Sensor, name: str | None, grey: str) -> str:
-    preset = (
-        sensor_preset(name)
-        if name is not None
-        else next((preset for preset in SENSORS.values() if _is_made_by(sensor, preset)), None)
-    )
+    preset = sensor_preset(name) if name is not None else _recognised(sensor)
     plain = Sensor()
     bits, full_well_e, read_noise_e = plain.bits, plain.full_well_e, plain.read_noise_e
     words = "ideal"
@@ -149,6 +145,12 @@ def _label(sensor: Sensor, name: str | None, grey: str) -> str:
     if preset is None and sensor.full_well_e:
         return ", ".join(differences)
     return ", ".join([words, *differences])
+
+
+def _recognised(sensor: Sensor) -> SensorPreset | None:
+    """The one preset with its electrons: siblings with the same pixels cannot be told apart."""
+    alike = [preset for preset in SENSORS.values() if _is_made_by(sensor, preset)]
+    return alike[0] if len(alike) == 1 else None
 
 
 def _is_made_by(sensor: Sensor, preset: SensorPreset) -> bool:

@@ -7,6 +7,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Literal
 
 from rigsim.interop.documents.base import Part, SeenRig, seen_rig
+from rigsim.rig.catalogue.sensor_preset import Shutter
 
 if TYPE_CHECKING:
     from rigsim.rig.catalogue.sensors import SensorPreset
@@ -59,6 +60,10 @@ class PublishedSensor(Part):
     """Where pitch and size come from."""
     noise_source: str | None
     """Where full well and read noise come from; null when there is no source."""
+    shutter: Shutter | None
+    """Whether all rows are exposed at once or one after the other; null where no source was found."""
+    shutter_source: str
+    """Where the shutter comes from; why there is none, where it is null."""
 
 
 class ScenesDocument(Part):
@@ -160,6 +165,8 @@ def scenes_document(
                 read_noise_e=sensor.read_noise_e,
                 geometry_source=sensor.geometry_source,
                 noise_source=sensor.noise_source or None,
+                shutter=sensor.shutter,
+                shutter_source=sensor.shutter_source,
             )
             for sensor in sensors
         ],

@@ -1,84 +1,40 @@
-"""Real sensors by name: pixel pitch, resolution, full well and read noise, each with its source.
+"""Real sensors by name: pixel pitch, resolution, shutter, full well and read noise, each with its source.
 
-A number nobody published in a place that could be checked is None, and has to be given. Where a camera
-maker states EMVA 1288 figures in dB, the electrons follow from that standard's definitions:
-``SNR_max = sqrt(full well)`` and ``DR = full well / (sqrt(read noise^2 + 1/4) + 1/2)``.
+Sony's global shutters of machine vision have modules of their own, `pregius` and `pregius_s`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from rigsim.errors import InvalidRig
-from rigsim.rig.sensor import Sensor
+from rigsim.rig.catalogue.pregius import PREGIUS
+from rigsim.rig.catalogue.pregius_s import PREGIUS_S
+from rigsim.rig.catalogue.sensor_preset import SensorPreset
+from rigsim.rig.catalogue.sensor_sources import (
+    ALLSKY,
+    ALVIUM,
+    CA_SF,
+    CA_UB,
+    LIBCAMERA,
+    LUXONIS,
+    MATRIX_VISION,
+    RASPBERRY_PI,
+    basler,
+    flir,
+)
 
-_LUXONIS = "Luxonis hardware documentation (docs.luxonis.com/hardware/sensors)"
-_ALLSKY = "indi-allsky wiki, Camera Information (github.com/aaronwmorris/indi-allsky/wiki)"
-_MATRIX_VISION = "matrix-vision.com mvBlueFOX3 manual"
+__all__ = ["SENSORS", "SensorPreset", "sensor_preset"]
 
-
-@dataclass(frozen=True, slots=True)
-class SensorPreset:
-    """What is published of one sensor."""
-
-    name: str
-    """Name on the command line."""
-    maker: str
-    """Who makes it."""
-    width: int
-    """Pixels across."""
-    height: int
-    """Pixels down."""
-    pitch_um: float
-    """Pixel pitch, micrometres."""
-    bits: int
-    """Bits of the converter used here, at most those the source names."""
-    full_well_e: float | None
-    """Electrons at full scale and lowest gain; None when no source was found."""
-    read_noise_e: float | None
-    """Read noise at lowest gain, electrons; None when no source was found."""
-    geometry_source: str
-    """Where pitch and resolution come from."""
-    noise_source: str
-    """Where full well and read noise come from; empty when there is none."""
-
-    @property
-    def sensor_width_mm(self) -> float:
-        """Width of the active area, mm."""
-        return self.width * self.pitch_um * 1e-3
-
-    def sensor(
-        self,
-        *,
-        full_well_e: float | None = None,
-        read_noise_e: float | None = None,
-        gain: float = 1.0,
-        bits: int = 0,
-    ) -> Sensor:
-        """The sensor behind an ideal lens; numbers given here win over published ones.
-
-        Args:
-            full_well_e: Electrons at full scale; needed when none is published.
-            read_noise_e: Electrons; needed when none is published.
-            gain: Analogue gain.
-            bits: Bits of the converter; 0 takes the preset's.
-
-        Raises:
-            InvalidRig: a number is neither published nor given, or cannot be.
-        """
-        well = self.full_well_e if full_well_e is None else full_well_e
-        noise = self.read_noise_e if read_noise_e is None else read_noise_e
-        missing = [name for name, value in (("full_well_e", well), ("read_noise_e", noise)) if value is None]
-        if well is None or noise is None:
-            raise InvalidRig(f"sensor {self.name}: no published {' and '.join(missing)}: give it")
-        return Sensor(full_well_e=well, read_noise_e=noise, gain=gain, bits=bits or self.bits)
-
+_IMX178 = (
+    "Hikrobot MV-CB060-10GM data sheet (cdn.shopify.com/s/files/1/0630/8950/8583/files/MV-CB060-10GM-S_2.pdf)"
+)
+_IMX226 = basler("acA4024-29uc")
+_MT9M034 = f"{CA_SF}, mvBlueFOX3-1012d"
 
 SENSORS: dict[str, SensorPreset] = {
     preset.name: preset
     for preset in (
-        SensorPreset("imx219", "Sony", 3280, 2464, 1.12, 10, None, None, _ALLSKY, ""),
-        SensorPreset("imx296", "Sony", 1456, 1088, 3.45, 10, None, None, _ALLSKY, ""),
+        SensorPreset("imx219", "Sony", 3280, 2464, 1.12, 10, None, None, ALLSKY, "", "rolling", RASPBERRY_PI),
+        SensorPreset("imx296", "Sony", 1456, 1088, 3.45, 10, None, None, ALLSKY, "", "global", RASPBERRY_PI),
         SensorPreset(
             "imx477",
             "Sony",
@@ -88,12 +44,14 @@ SENSORS: dict[str, SensorPreset] = {
             12,
             8180.0,
             3.0,
-            _ALLSKY,
+            ALLSKY,
             "photon transfer curve of the Raspberry Pi HQ camera at analogue gain 1, "
             "strollswithmydog.com/pi-hq-cam-sensor-performance",
+            "rolling",
+            RASPBERRY_PI,
         ),
-        SensorPreset("ar0234", "onsemi", 1920, 1200, 3.0, 10, None, None, _LUXONIS, ""),
-        SensorPreset("ov9282", "OmniVision", 1280, 800, 3.0, 10, None, None, _LUXONIS, ""),
+        SensorPreset("ar0234", "onsemi", 1920, 1200, 3.0, 10, None, None, LUXONIS, "", "global", LUXONIS),
+        SensorPreset("ov9282", "OmniVision", 1280, 800, 3.0, 10, None, None, LUXONIS, "", "global", LUXONIS),
         SensorPreset(
             "ov5647",
             "OmniVision",
@@ -105,6 +63,8 @@ SENSORS: dict[str, SensorPreset] = {
             None,
             "Raspberry Pi camera module v1 technical specification",
             "Raspberry Pi camera module v1 technical specification (well capacity 4.3 ke-)",
+            "rolling",
+            "Raspberry Pi camera module v1 technical specification",
         ),
         SensorPreset(
             "imx264",
@@ -117,6 +77,8 @@ SENSORS: dict[str, SensorPreset] = {
             2.30,
             "github.com/gidobot/UWOpticalSystemsDesignTools, cfg/sensors/imx264C.json",
             "the same file: read noise 2.30 e-, gain 5.882 levels of 16 bits per electron (65535 / 5.882 e-)",
+            "global",
+            ALVIUM,
         ),
         SensorPreset(
             "imx250",
@@ -127,9 +89,11 @@ SENSORS: dict[str, SensorPreset] = {
             12,
             10715.0,
             2.40,
-            _MATRIX_VISION,
-            f"{_MATRIX_VISION}, mvBlueFOX3-2051, EMVA 1288: SNR_max 40.3 dB, DR 71.2 dB (Teledyne DALSA's "
+            MATRIX_VISION,
+            f"{MATRIX_VISION}, mvBlueFOX3-2051, EMVA 1288: SNR_max 40.3 dB, DR 71.2 dB (Teledyne DALSA's "
             "Genie Nano M2450 manual gives 10.7 ke-)",
+            "global",
+            MATRIX_VISION,
         ),
         SensorPreset(
             "imx249",
@@ -140,8 +104,10 @@ SENSORS: dict[str, SensorPreset] = {
             12,
             32359.0,
             6.73,
-            _MATRIX_VISION,
-            f"{_MATRIX_VISION}, mvBlueFOX3-2024a, EMVA 1288: SNR 45.1 dB, DR 73 dB",
+            MATRIX_VISION,
+            f"{MATRIX_VISION}, mvBlueFOX3-2024a, EMVA 1288: SNR 45.1 dB, DR 73 dB",
+            "global",
+            MATRIX_VISION,
         ),
         SensorPreset(
             "mt9m031",
@@ -154,7 +120,140 @@ SENSORS: dict[str, SensorPreset] = {
             10.08,
             "Balluff BVS CA-SF manual, mvBlueFOX3-1012b",
             "Balluff BVS CA-SF manual, mvBlueFOX3-1012b, EMVA 1288: SNR_max 37.4 dB, DR 54.3 dB",
+            "global",
+            "Balluff BVS CA-SF manual, mvBlueFOX3-1012b",
         ),
+        SensorPreset(
+            "imx178",
+            "Sony",
+            3072,
+            2048,
+            2.4,
+            12,
+            None,
+            None,
+            f"{_IMX178}; bits: {ALLSKY}, which has 3096x2080",
+            "",
+            "rolling",
+            _IMX178,
+        ),
+        SensorPreset(
+            "imx226",
+            "Sony",
+            4024,
+            3036,
+            1.85,
+            12,
+            None,
+            None,
+            f"{_IMX226}; bits: {flir('BFS-U3-120S4')}",
+            "",
+            "rolling",
+            f"{_IMX226}; {flir('BFS-U3-120S4')} adds a global reset",
+        ),
+        SensorPreset(
+            "imx290",
+            "Sony",
+            1920,
+            1080,
+            2.9,
+            12,
+            None,
+            None,
+            "Sony IMX290LQR-C data sheet (scribd.com/document/798857954): 1920x1080 recommended, 12 bit;"
+            f" pitch: {LIBCAMERA}; {ALLSKY} has 1936x1096",
+            "",
+            None,
+            "none found: Sony's data sheet and Linux do not say; the later IMX462 has a rolling one",
+        ),
+        SensorPreset(
+            "imx335",
+            "Sony",
+            2592,
+            1944,
+            2.0,
+            10,
+            None,
+            None,
+            f"{CA_UB}; pitch: {LIBCAMERA}",
+            "",
+            "rolling",
+            CA_UB,
+        ),
+        SensorPreset(
+            "imx378",
+            "Sony",
+            4056,
+            3040,
+            1.55,
+            12,
+            None,
+            None,
+            ALLSKY,
+            "",
+            "rolling",
+            "Luxonis OAK-FFC IMX378 (docs.luxonis.com/hardware/products/OAK-FFC-IMX378)",
+        ),
+        SensorPreset(
+            "imx462",
+            "Sony",
+            1920,
+            1080,
+            2.9,
+            12,
+            None,
+            None,
+            f"{LUXONIS}; bits: Linux, drivers/media/i2c/imx290.c",
+            "",
+            "rolling",
+            LUXONIS,
+        ),
+        SensorPreset(
+            "ar0144",
+            "onsemi",
+            1280,
+            800,
+            3.0,
+            12,
+            None,
+            None,
+            "Linux, drivers/media/i2c/ar0144.c (linux-media, 30 June 2024): 1280x800 by default, 1288x808"
+            f" active, 12 bit; pitch: {LIBCAMERA}",
+            "",
+            "global",
+            "PnPCAM wiki, Sensors (github.com/angusgbishop/PnPCAM/wiki/Sensors)",
+        ),
+        SensorPreset(
+            "ov9281",
+            "OmniVision",
+            1280,
+            800,
+            3.0,
+            10,
+            None,
+            None,
+            f"{LUXONIS}, OV9282, from which it differs in the chief ray angle (Linux, ovti,ov9282.yaml);"
+            f" bits: Linux, drivers/media/i2c/ov9282.c; pitch as well: {LIBCAMERA}",
+            "",
+            "global",
+            f"{LUXONIS}, OV9282",
+        ),
+        SensorPreset(
+            "mt9m034",
+            "onsemi",
+            1280,
+            960,
+            3.75,
+            12,
+            5888.0,
+            3.44,
+            _MT9M034,
+            f"{_MT9M034}, EMVA 1288: SNR_max 37.7 dB, DR 63.4 dB",
+            "rolling",
+            _MT9M034,
+        ),
+        *PREGIUS,
+        *PREGIUS_S,
     )
 }
 """Every sensor by its name."""
