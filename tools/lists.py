@@ -8,15 +8,19 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable
+from dataclasses import replace
 
-from rigsim.interop.files.dataset import DATASET_FORMATS
 from rigsim.interop.formats import registry as formats
+from rigsim.interop.layouts import registry as layouts
 from rigsim.rig.catalogue.sensors import SENSORS
 from rigsim.rig.presets import PRESETS
 from rigsim.sim.scenes import library
+from rigsim.study.compare import columns as compare
+from rigsim.study.measure import columns as measure
 from rigsim.study.scene import columns as sweep
 from rigsim.study.scene.axes import registry as axes
 from rigsim.study.scene.column import Column
+from rigsim.study.tolerance import columns as tolerance
 from rigsim.study.triangulators import registry as triangulators
 from rigsim.study.verify.geometries import GEOMETRIES
 
@@ -27,7 +31,7 @@ def for_help() -> str:
         "TRIANGULATORS": triangulators.BY_NAME,
         "GEOMETRIES": (geometry.name for geometry in GEOMETRIES),
         "RIG_FORMATS": formats.RIG_FORMATS,
-        "DATASET_FORMATS": DATASET_FORMATS,
+        "DATASET_FORMATS": layouts.BY_NAME,
     }
     return "\n".join(_assigned(name, ", ".join(words)) for name, words in lists.items())
 
@@ -35,6 +39,22 @@ def for_help() -> str:
 def columns() -> str:
     """The columns of sweep.csv, and of sweep_by_depth.csv."""
     return _columns(sweep.COLUMNS.values())
+
+
+def compare_columns() -> str:
+    """The columns of compare.csv."""
+    return _columns(compare.COLUMNS.values())
+
+
+def tolerance_columns() -> str:
+    """The columns of tolerance.csv."""
+    each = replace(tolerance.at_distance(1000), name="depth_error_at_..._mm", heading="at a distance")
+    return _columns((*tolerance.HEAD, each, *tolerance.REST))
+
+
+def measure_columns() -> str:
+    """The columns of matches.csv."""
+    return _columns(measure.COLUMNS.values())
 
 
 def axes_table() -> str:
@@ -59,11 +79,16 @@ def formats_table() -> str:
             one.says,
             f"`{one.in_folder}`",
             "yes" if one.write else "",
-            "yes" if one.name in DATASET_FORMATS else "",
+            "yes" if one.name in layouts.BY_NAME else "",
         )
         for one in formats.ALL
     )
     return _table(("name", "what", "known by", "rigs written", "data sets written"), rows)
+
+
+def layouts_table() -> str:
+    """Every layout of data sets."""
+    return _table(("name", "what"), ((f"`{one.name}`", one.says.replace("``", "`")) for one in layouts.ALL))
 
 
 def others_table() -> str:
@@ -106,7 +131,15 @@ def _known(value: float | None) -> str:
 
 
 def _columns(found: Iterable[Column]) -> str:
-    rows = ((f"`{one.name}`", one.heading, one.unit, one.meaning.replace("|", "\\|")) for one in found)
+    rows = (
+        (
+            f"`{one.name}`",
+            " ".join(one.heading.split()),
+            one.unit,
+            " ".join(one.meaning.split()).replace("|", "\\|"),
+        )
+        for one in found
+    )
     return _table(("column", "heading", "unit", "meaning"), rows)
 
 

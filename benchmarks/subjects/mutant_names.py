@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from benchmarks.subjects.mutant import Mutant
+from rigsim.present.verify.words import says
 from rigsim.study.verify.result import Diagnosis
 
 NAMES: Mapping[str, tuple[str, ...]] = {
@@ -123,6 +124,6 @@ def named_right(mutant: Mutant, named: Sequence[Diagnosis]) -> bool:
     if not named:
         return False
     return any(
-        named[0].mistake == name and word in named[0].says
+        named[0].mistake == name and word in says(named[0])
         for name, _, word in (allowed.partition(" ") for allowed in NAMES[mutant.name])
     )

@@ -99,10 +99,10 @@ class Designed(Result):
 
     def document(self, written: Written | None = None) -> Mapping[str, Any]:
         """The whole answer; docs/reference/design.md says what the keys mean."""
-        from rigsim.interop.documents.design import design_document
-        from rigsim.present.design.words import outcome
+        from rigsim.interop.documents.design.document import design_document
+        from rigsim.present.design import words
 
-        return design_document(self.found, self.proofs, self.tolerance, outcome)
+        return design_document(self.found, self.proofs, self.tolerance, words)
 
     def print(self, folder: Path | None = None) -> None:
         """Print the rig to take, what binds it, and what became of the proof."""

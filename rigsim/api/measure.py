@@ -108,10 +108,10 @@ class Measured(Result):
 
     def document(self, written: Written | None = None) -> Mapping[str, Any]:
         """All that was measured; docs/reference/measure.md says what the keys mean."""
-        from rigsim.interop.files.measure import document
+        from rigsim.interop.documents.measure.document import measure_document
         from rigsim.present.measure.words import sentence
 
-        return document(self.result, sentence, written)
+        return measure_document(self.result, sentence, written)
 
     def print(self, folder: Path | None = None) -> None:
         """Print what was measured, and how sure it is."""

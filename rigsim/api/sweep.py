@@ -120,7 +120,7 @@ def sweep(options: SweepOptions) -> Sweep:
         InvalidRange: A value is out of bounds, or two say the same thing.
         InvalidRig, OutputError: As `read_rig`.
         InvalidScene: The scene cannot be used, or no rig sees anything with both cameras.
-        TriangulatorError: A triangulator is unknown, raises or returns the wrong thing.
+        TriangulatorError: A triangulator is unknown; or all of them raise or return the wrong thing.
         RenderUnavailable: The renderer asked for does not work here.
 
     Example:

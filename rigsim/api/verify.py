@@ -125,8 +125,9 @@ class Verified(Result):
     def document(self, written: Written | None = None) -> Mapping[str, Any]:
         """The verification; docs/reference/verify.md says what the keys mean."""
         from rigsim.interop.documents.verify import verify_document
+        from rigsim.present.verify import words
 
-        return verify_document(self.result, self.strict, self.golden)
+        return verify_document(self.result, words, self.strict, self.golden)
 
     def print(self, folder: Path | None = None) -> None:
         """Print a line a group where all is well, else what failed and how to run it again."""

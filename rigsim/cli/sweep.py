@@ -144,6 +144,8 @@ def sweep(typed: Mapping[str, str], words: SweepWords) -> None:
     deliver(result, out, words.force, words.as_json)
     if not result.complete:
         raise typer.Exit(interrupts.INTERRUPTED)
+    if result.broken:
+        raise typer.Exit(1)
 
 
 def _rigs(typed: Mapping[str, str], words: SweepWords) -> RigOptions:

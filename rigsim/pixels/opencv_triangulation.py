@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from rigsim.errors import InvalidRig, TriangulatorError
 from rigsim.pixels.opencv import load_cv2
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.lens.distortion import brown_of
 from rigsim.rig.stereo import StereoRig
 
 _STEPS, _EPSILON = 200, 1e-15
@@ -19,6 +21,7 @@ def triangulate_cv2(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
 
     Raises:
         MeasurementFailed: OpenCV is not installed.
+        TriangulatorError: it does not have the rig's lens.
     """
     cv2 = load_cv2()
     found = np.full((len(uv_left), 3), np.nan)
@@ -44,5 +47,9 @@ def triangulate_cv2(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
 
 
 def _coefficients(lens: Intrinsics) -> Array | None:
-    bent = lens.distortion
-    return None if bent is None else np.array([bent.k1, bent.k2, bent.p1, bent.p2, bent.k3])
+    if lens.distortion is None:
+        return None
+    try:
+        return np.array(brown_of(lens.distortion, "OpenCV's undistortPoints").coefficients)
+    except InvalidRig as error:
+        raise TriangulatorError(f"triangulator 'cv2': {error}: use 'optimal'", "misused") from None

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from rigsim.errors import InvalidRig
 from rigsim.rig import given
 from rigsim.rig.arrays import Array, Mask
-from rigsim.rig.lens.distortion import BrownConrady
+from rigsim.rig.lens.lens import Lens
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,7 @@ class Intrinsics:
     """Principal point u, px (pixel centres are integers)."""
     cy: float
     """Principal point v, px."""
-    distortion: BrownConrady | None = None
+    distortion: Lens | None = None
     """Lens distortion; None is the ideal pinhole."""
 
     def __post_init__(self) -> None:
@@ -61,9 +61,12 @@ class Intrinsics:
                 raise InvalidRig(f"principal point {name} {value:g} px: must be a finite number")
             object.__setattr__(self, name, value)
         if self.distortion is not None:
-            given.a(BrownConrady, self.distortion, "a BrownConrady or None: the lens distortion", InvalidRig)
-        if self.distortion == BrownConrady():
-            object.__setattr__(self, "distortion", None)
+            lens: object = self.distortion
+            if not isinstance(lens, Lens):
+                wanted = "a lens, as BrownConrady, or None: the lens distortion"
+                raise InvalidRig(f"{given.shown(lens)}: must be {wanted}")
+            if lens.is_ideal:
+                object.__setattr__(self, "distortion", None)
 
     @classmethod
     def from_focal(
@@ -74,7 +77,7 @@ class Intrinsics:
         *,
         cx: float | None = None,
         cy: float | None = None,
-        distortion: BrownConrady | None = None,
+        distortion: Lens | None = None,
     ) -> Intrinsics:
         """Square pixels and a focal length in px; the principal point defaults to the image's middle."""
         return cls(
@@ -129,7 +132,7 @@ class Intrinsics:
     def project(self, points_camera: npt.ArrayLike) -> Array:
         """Project points (..., 3) m in the camera's frame to uv (..., 2) px.
 
-        NaN where z <= 0 or where the distorted lens shows nothing (`BrownConrady.shows`).
+        NaN where z <= 0 or where the distorted lens shows nothing (`Lens.shows`).
         """
         return self.denormalize(self._seen(np.asarray(points_camera, dtype=np.float64)))
 

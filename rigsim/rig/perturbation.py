@@ -7,7 +7,8 @@ from dataclasses import dataclass, fields, replace
 
 from rigsim.errors import InvalidRig
 from rigsim.rig import given
-from rigsim.rig.lens.distortion import BrownConrady
+from rigsim.rig.lens.distortion import brown_of
+from rigsim.rig.lens.lens import Lens
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 
@@ -63,19 +64,29 @@ class Perturbation:
         turn = Pose.from_rotvec((self.pitch_rad, self.yaw_rad, self.roll_rad)).R
         true_left_from_right = Pose(left_from_right.R @ turn, center_left)
 
-        d_left = rig.left.distortion or BrownConrady()
-        d_right = rig.right.distortion or BrownConrady()
         return StereoRig(
-            replace(rig.left, distortion=replace(d_left, k1=d_left.k1 + self.both_k1)),
+            replace(rig.left, distortion=with_k1(rig.left.distortion, self.both_k1)),
             replace(
                 rig.right,
                 fx=rig.right.fx + self.right_focal_px,
                 fy=rig.right.fy + self.right_focal_px,
                 cx=rig.right.cx + self.right_cx_px,
-                distortion=replace(d_right, k1=d_right.k1 + self.both_k1 + self.right_k1),
+                distortion=with_k1(rig.right.distortion, self.both_k1, self.right_k1),
             ),
             true_left_from_right.inverse,
         )
+
+
+def with_k1(lens: Lens | None, *more: float) -> Lens | None:
+    """`lens` with a k1 that is greater by `more`.
+
+    Raises:
+        InvalidRig: there is more, and the model has no k1.
+    """
+    if not any(more):
+        return lens
+    brown = brown_of(lens, "a change of k1")
+    return replace(brown, k1=sum(more, brown.k1))
 
 
 NAMES: tuple[str, ...] = tuple(item.name for item in fields(Perturbation))

@@ -10,7 +10,7 @@ import numpy as np
 
 from rigsim.errors import InvalidRig
 from rigsim.rig.arrays import Array
-from rigsim.rig.lens.distortion import BrownConrady
+from rigsim.rig.lens.lens import Lens
 
 Side = Literal["left", "right"]
 _BITS = (0, 8, 10, 12, 16)
@@ -29,7 +29,7 @@ class Sensor:
 
     blur_px: float = 0.0
     """Standard deviation of the lens's Gaussian point spread, px; the pixel's own square comes on top."""
-    distortion: BrownConrady | None = None
+    distortion: Lens | None = None
     """Lens distortion, for the camera that `optics` is given; None is none."""
     full_well_e: float = 0.0
     """Electrons that make full scale at gain 1; 0 is no photon noise."""

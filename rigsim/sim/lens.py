@@ -47,7 +47,7 @@ def wider_intrinsics(
     if not np.isfinite(ideal).all():
         raise InvalidRig(
             "distortion folds within the picture or its margin: no straight ray ends at its rim; "
-            "weaken k1, k2, k3 or crop the picture"
+            "weaken it or crop the picture"
         )
     focal, center = np.array([intrinsics.fx, intrinsics.fy]), np.array([intrinsics.cx, intrinsics.cy])
     # whole pixels of the coarse grid on every side keep the fine pixels nested in it

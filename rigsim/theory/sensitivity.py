@@ -13,7 +13,7 @@ from rigsim.errors import InvalidRig
 from rigsim.rig import given
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
-from rigsim.rig.lens.distortion import BrownConrady
+from rigsim.rig.lens.distortion import BrownConrady, are_brown
 from rigsim.rig.perturbation import NAMES
 from rigsim.rig.stereo import StereoRig
 from rigsim.theory.uncertainty import pixel_gain
@@ -24,7 +24,7 @@ def depth_sensitivity(rig: StereoRig, points_left: npt.ArrayLike) -> dict[str, A
 
     First order and analytic for any rig, `optimal` triangulating with the assumed `rig`: the pixels
     move by their derivative in the perturbation, the depth follows through ``(J^T J)^-1 J^T``.
-    NaN behind a camera.
+    NaN behind a camera, and for k1 of a lens that has none.
 
     Example:
         >>> import rigsim
@@ -64,7 +64,9 @@ def depth_sensitivity(rig: StereoRig, points_left: npt.ArrayLike) -> dict[str, A
 
 
 def _k1_motion(camera: Intrinsics, points_camera: Array) -> Array:
-    """Derivative (N, 2) px of the projection in k1, ``f x r^2``."""
+    """Derivative (N, 2) px of the projection in k1, ``f x r^2``; NaN for a lens that has none."""
+    if not are_brown(camera.distortion):
+        return np.full((len(points_camera), 2), np.nan)
     ideal = Intrinsics(1, 1, 1.0, 1.0, 0.0, 0.0).project(points_camera)
     unit = BrownConrady(k1=1.0).distort(ideal) - ideal
     return np.asarray(unit * (camera.fx, camera.fy))

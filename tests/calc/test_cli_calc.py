@@ -21,7 +21,7 @@ from rigsim.cli.app import run
 from rigsim.interop.formats.rig_toml import write_rig
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
-from tests.helpers.documents import valid
+from tests.helpers.documents import misplaced, valid
 
 W1 = "--focal 1200 --baseline 150 --left 980,500 --right 910,500"
 
@@ -385,6 +385,24 @@ def test_limits_at_several_distances(calc: Any, capsys: pytest.CaptureFixture[st
 
 
 # --- forms ---
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        f"point {W1}",
+        "depth --focal 1200 --baseline 150 --resolution 640x480 --z 20",
+        "limits --preset oak-d --z 1,3m",
+        "limits --preset oak-d",
+    ],
+)
+def test_keys_stand_in_the_order_of_the_model(calc: Any, words: str) -> None:
+    assert misplaced(f"calc-{words.split()[0]}", calc(words)) == []
+
+
+def test_a_published_whole_number_stays_one(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["calc", "limits", "--preset", "oak-d", "--json"]) == 0
+    assert '"search_max_px": 95,' in capsys.readouterr().out
 
 
 def test_csv_holds_the_numbers_of_json(calc: Any, capsys: pytest.CaptureFixture[str]) -> None:

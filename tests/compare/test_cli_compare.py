@@ -15,7 +15,7 @@ from rigsim.errors import MeasurementFailed
 from rigsim.interop.documents.compare import CompareDocument, Row
 from rigsim.interop.formats.rig_toml import write_rig
 from rigsim.rig.presets import preset
-from rigsim.study.compare.run import COLUMNS
+from rigsim.study.compare.columns import COLUMNS
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "reference" / "compare.md").read_text(encoding="utf-8")
 FEW = ["compare", "--points", "500", "--noise", "0.5,2", "--geometry", "rectified,verged"]
@@ -38,7 +38,7 @@ def test_the_folder_holds_what_is_said_and_reads_back(
     document = json.loads((out / "compare.json").read_text(encoding="utf-8"))
     assert CompareDocument.model_validate(document).model_dump() == document
     rows = list(csv.DictReader(io.StringIO((out / "compare.csv").read_text(encoding="utf-8"))))
-    assert tuple(rows[0]) == COLUMNS
+    assert tuple(rows[0]) == tuple(COLUMNS)
     assert len(rows) == len(document["rows"]) == 8
     for row, same in zip(rows, document["rows"], strict=True):
         for name in COLUMNS:

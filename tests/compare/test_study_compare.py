@@ -13,9 +13,10 @@ from rigsim.present.compare.words import headline, sentences
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.compare.columns import COLUMNS
 from rigsim.study.compare.judge import off_bound, quantile
 from rigsim.study.compare.row import Errors, errors, figures
-from rigsim.study.compare.run import COLUMNS, ComparisonPlan, ComparisonResult, compare
+from rigsim.study.compare.run import ComparisonPlan, ComparisonResult, compare
 from rigsim.study.triangulators.registry import KNOWN
 from rigsim.study.verify.bound import bound
 from rigsim.theory.custom import TriangulatorFunction
@@ -153,7 +154,7 @@ def test_every_method_gets_the_same_noise() -> None:
     plan = replace(QUICK, n_points=20_000)
     result = compare(plan, {"optimal": OPTIMAL, "again": OPTIMAL, "dlt": DLT})
     rows = result.rows.set_index("triangulator")
-    same = list(COLUMNS[3:-2])
+    same = list(COLUMNS)[3:-2]
     assert (
         rows.loc["optimal", same]
         .reset_index(drop=True)

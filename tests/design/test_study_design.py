@@ -11,7 +11,8 @@ import pytest
 from numpy.typing import NDArray
 
 from rigsim.errors import InvalidRange, InvalidRig, InvalidScene
-from rigsim.interop.documents.design import design_document
+from rigsim.interop.documents.design.document import design_document
+from rigsim.present.design import words as sentences
 from rigsim.present.design.words import outcome
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.sensor import Sensor
@@ -155,7 +156,7 @@ def test_the_pick_is_verified_in_the_scene() -> None:
         pick = design.candidates[0]
         formula = asked.achieved(pick.camera, pick.baseline_m, SPEC.disparity_std_px)
         close(held_to_all.simulated, formula, rtol=0.03 if asked.kind == "depth_error" else 1e-3)
-    document = json.loads(json.dumps(design_document(design, proofs, None, outcome), allow_nan=False))
+    document = json.loads(json.dumps(design_document(design, proofs, None, sentences), allow_nan=False))
     assert document["recommended"]["verified"] is True
     assert document["recommended"]["baseline_mm"] == design.candidates[0].baseline_m * 1e3
     assert document["binding"]["shortest"]["requirement"] == "depth_error"
@@ -271,7 +272,7 @@ def test_a_sensor_s_noise_is_settled_by_measuring() -> None:
     held = proofs[-1].checks[0]
     assert held.n_measured >= 30
     assert not held.is_missed_by_pixels
-    document = design_document(design, proofs, None, outcome)
+    document = design_document(design, proofs, None, sentences)
     assert document["noise_source"] == "measured"
     close(document["requirements"][0]["measured"], held.measured * 1e3, rtol=1e-9)
 
@@ -303,7 +304,7 @@ def test_the_farthest_depth_error_is_what_the_build_is_held_to() -> None:
     assert [item.name for item in found.yields] == ["printed", "machined", "calibrated"]
     built = [item.as_built.share for item in found.yields]
     assert built == sorted(built)
-    part = design_document(solve(spec, CAMERAS), (), found, outcome)["tolerance"]
+    part = design_document(solve(spec, CAMERAS), (), found, sentences)["tolerance"]
     assert part["class"] == "calibrated"
     assert len(part["distances_mm"]) == len(part["quantities"][0]["depth_error_mm"])
     with pytest.raises(InvalidRange, match="printed, machined, calibrated"):

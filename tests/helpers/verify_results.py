@@ -10,6 +10,7 @@ import numpy as np
 from rigsim.errors import TriangulatorError
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.saying import saying
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.result import Diagnosis, TriangulatorResult, VerifyResult
 from rigsim.study.verify.session import Gathered, Selection, gather, run
@@ -71,7 +72,7 @@ def one_of(function: Function) -> TriangulatorResult:
 
 
 DIAGNOSES = (
-    Diagnosis("swapped-images", "Left and right are exchanged.", 0.996, ("a", "b")),
-    Diagnosis("inverse-pose", "The pose is inverted", 0.7, ("b",)),
-    Diagnosis("degrees", "An angle in degrees", 0.5, ("c",)),
+    Diagnosis(saying("swapped-images"), 0.996, ("a", "b")),
+    Diagnosis(saying("inverse-pose"), 0.7, ("b",)),
+    Diagnosis(saying("degrees-for-radians: too large"), 0.5, ("c",)),
 )

@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 from cogapp import Cog
 
-from rigsim.interop import formats
+from rigsim.interop import formats, layouts
 from rigsim.interop.formats import registry as calibrations
+from rigsim.interop.layouts import registry as layout_registry
 from rigsim.study.scene import axes
 from rigsim.study.scene.axes import registry as axis_registry
 
@@ -28,6 +29,7 @@ def test_every_format_and_every_axis_stands_in_its_registry() -> None:
     for room, entry, entered in (
         (formats, "FORMAT = ", len(calibrations.ALL)),
         (axes, "AXIS = ", len(axis_registry.ALL)),
+        (layouts, "LAYOUT = ", len(layout_registry.ALL)),
     ):
         texts = [path.read_text(encoding="utf-8") for path in Path(room.__path__[0]).glob("*.py")]
         assert sum(f"\n{entry}" in text for text in texts) == entered

@@ -148,7 +148,7 @@ def test_people_get_tables_that_fit(
     assert run(["infer", "--data", str(wall), "--preset", "d455", "--to", "oak-d", "--at", "1m,200m"]) == 0
     shown = capsys.readouterr().out
     assert all(len(line) <= 80 for line in shown.splitlines())
-    assert shown.startswith("Stereo noise can explain it: the error grows as distance to the power 1.96")
+    assert shown.startswith("Stereo noise can explain it: the error grows as distance to the power 1.958")
     for words in ("disparity std", "disparity offset", "bias share", "disparity under 4 sigma"):
         assert words in shown
 

@@ -17,7 +17,8 @@ from rigsim.cli.app import run
 from rigsim.interop.formats.middlebury import disparity_png, read_disparity
 from rigsim.interop.formats.rig_toml import read_rig, write_rig
 from rigsim.pixels.dense.pfm import pfm_bytes
-from tests.helpers.documents import valid
+from rigsim.study.measure.columns import COLUMNS
+from tests.helpers.documents import misplaced, valid
 from tests.helpers.textured_images import affine_pair, noisy
 
 DOFFS = 5.0
@@ -196,6 +197,16 @@ def test_colour_and_depth_make_no_difference(left: str, here: Path, capsys: pyte
     assert said["dense"]["regions"]["textureless"]["n"] == plain["dense"]["regions"]["textureless"]["n"]
 
 
+def test_keys_stand_in_the_order_of_the_model(here: Path, capsys: pytest.CaptureFixture[str]):
+    told = document(capsys, *PAIR, "--truth", "truth.npy", "--target", "40,40,100x80")
+    assert misplaced("measure", told) == []
+    # made by hand from the docs: the rig's size before its focal length, the counts before the errors
+    assert list(told["rig"])[:4] == ["width_px", "height_px", "focal_px", "baseline_mm"]
+    assert list(told["dense"])[:6] == [
+        *("matcher", "rectified_first", "image_fill_pct", "n", "invalid_pct", "bad_0_5_pct")
+    ]
+
+
 # --- files --------------------------------------------------------------------------------------
 
 
@@ -211,6 +222,7 @@ def test_everything_is_written(here: Path, tmp_path: Path, capsys: pytest.Captur
 
     with (out / "matches.csv").open() as file:
         rows = list(csv.DictReader(file))
+    assert list(rows[0]) == [name for name in COLUMNS if name not in ("board", "corner")]
     assert len(rows) == said["n_matches"]
     for row in rows[:20]:
         disparity = float(row["u_left_px"]) - float(row["u_right_px"])

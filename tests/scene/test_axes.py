@@ -14,7 +14,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from rigsim import Intrinsics, Plan, Pose, RigGrid, StereoRig
+from rigsim import Intrinsics, Plan, Pose, RigGrid, StereoRig, read_rig
 from rigsim.errors import InvalidRange
 from rigsim.interop.documents.sweep import DepthRow, OverallRow
 from rigsim.present.sweep.column_words import COLUMNS as WORDS
@@ -59,9 +59,68 @@ def test_a_new_axis_is_one_file_and_its_lines_in_the_registry(tmp_path: Path) ->
     assert any("From 10 to 50 of signal-to-noise ratio" in one for one in document["verdict"]["sentences"])
     assert pd.read_csv(tmp_path / "report" / "sweep.csv")["snr"].tolist() == pytest.approx([10, 30, 50])
     assert "signal-to-noise" in (tmp_path / "report" / "report.html").read_text(encoding="utf-8")
-    both = rigsim("--snr", "10", "--noise", "0.3", *small)
+    for noise in ("0.3", "0.25"):  # the second is what is meant where nothing is typed
+        both = rigsim("--snr", "10", "--noise", noise, *small)
+        assert both.returncode == 2
+        assert (
+            both.stderr == "rigsim: error: --noise and --snr both given: they say the same thing, give one\n"
+        )
+
+
+TOE = """
+from dataclasses import replace
+
+from rigsim.rig.quantity import VERGENCE
+from rigsim.study.scene.axes.axis import Axis
+from rigsim.study.scene.column import Column
+
+AXIS = Axis(
+    name="toe",
+    columns=(Column("toe_deg", "toe", "deg", "short", "Toe-in of one camera, degrees.", empty=False),),
+    word="toe-in",
+    read=lambda row: (row.rig.vergence_deg / 2,),
+    help="Toe-in of one camera, deg.",
+    kind=VERGENCE,
+    default="2",
+    of_rig=lambda recipe, value_deg: replace(recipe, vergence_deg=2 * value_deg),
+    instead_of="vergence",
+    loop=9,
+)
+"""
+
+
+def test_a_new_axis_of_rigs_reaches_the_commands_on_one_rig(tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "rigsim", tmp_path / "rigsim", ignore=shutil.ignore_patterns("__pycache__"))
+    (tmp_path / "models").symlink_to(ROOT / "models")
+    axes = tmp_path / "rigsim" / "study" / "scene" / "axes"
+    (axes / "toe.py").write_text(TOE, encoding="utf-8")
+    text = (axes / "registry.py").read_text(encoding="utf-8")
+    text = text.replace("    sensor,\n", "    sensor,\n    toe,\n", 1)
+    text = text.replace("    noise.AXIS,\n", "    toe.AXIS,\n    noise.AXIS,\n", 1)
+    (axes / "registry.py").write_text(text, encoding="utf-8")
+
+    def render(*words: str) -> subprocess.CompletedProcess[str]:
+        small = ["--resolution", "64x48", "--renderer", "rays", "--out", "pair", "--force"]
+        return subprocess.run(
+            [sys.executable, "-m", "rigsim", "render", *small, *words],
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONPATH": str(tmp_path)},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+
+    for words, vergence_deg in (((), 4.0), (("--toe", "3"), 6.0), (("--vergence", "1"), 1.0)):
+        done = render(*words)
+        assert done.returncode == 0, done.stderr
+        rig = read_rig(tmp_path / "pair" / "rig.toml")
+        assert rig.vergence_deg == pytest.approx(vergence_deg)
+    both = render("--toe", "2", "--vergence", "1")
     assert both.returncode == 2
-    assert "--noise and --snr both given" in both.stderr
+    assert (
+        both.stderr == "rigsim: error: --vergence and --toe both given: they say the same thing, give one\n"
+    )
+    assert "Toe-in of one camera, deg.  [default: 2]" in render("--help").stdout
 
 
 def test_streams_and_rigs_are_what_they_always_were() -> None:

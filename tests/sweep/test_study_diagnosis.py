@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from rigsim import BrownConrady, Intrinsics, Perturbation, PixelNoise, StereoRig, triangulate
+from rigsim.present.kit.mistakes.faults import fault as in_words
 from rigsim.rig.arrays import Array
 from rigsim.study.agreement.fault import UNKNOWN
 from rigsim.study.sweep.diagnosis import find_fault
@@ -155,7 +156,7 @@ def test_a_mistake_is_named_with_its_amount(name: str):
     method, words, amount = MISTAKES[name]
     fault = find_fault(RIG, RIG, points(RIG), NOISE, method)
     assert fault is not None
-    assert re.search(words, fault.says), fault
+    assert re.search(words, in_words(fault)), fault
     if np.isfinite(amount):
         assert fault.amount == pytest.approx(amount, rel=0.03)
 
@@ -170,7 +171,7 @@ def test_doffs_ignored_is_named():
         believing(lambda rig: replace(rig, right=replace(rig.right, cx=rig.left.cx))),
     )
     assert fault is not None
-    assert "doffs" in fault.says
+    assert "doffs" in in_words(fault)
 
 
 VERGED = StereoRig.verged(LENS, 0.3, 8.0)
@@ -197,7 +198,7 @@ def test_midpoint_wastes_some_of_the_rows_of_unequal_lenses():
     assert fault is not None
     assert fault.name == "rows-wasted"
     assert 1.05 < fault.amount < 1.08
-    assert "part of what the rows say" in fault.says
+    assert "part of what the rows say" in in_words(fault)
 
 
 def test_an_answer_of_no_known_kind_is_said_to_be_that():
@@ -206,7 +207,7 @@ def test_an_answer_of_no_known_kind_is_said_to_be_that():
     )
     assert fault is not None
     assert fault.name == "unknown"
-    assert fault.says.startswith(UNKNOWN.says)
+    assert in_words(fault).startswith(in_words(UNKNOWN))
 
 
 @pytest.mark.parametrize(
@@ -229,7 +230,7 @@ def test_an_answer_of_no_known_kind_is_said_to_be_that():
 def test_a_true_rig_that_is_not_the_assumed_one_is_told_by_what_it_is(perturbation: Perturbation, words: str):
     fault = find_fault(perturbation.apply(RIG), RIG, points(RIG), NOISE, "optimal")
     assert fault is not None
-    assert re.search(words, fault.says), fault
+    assert re.search(words, in_words(fault)), fault
 
 
 def test_a_narrow_lens_cannot_tell_yaw_from_the_principal_point():
@@ -242,7 +243,7 @@ def test_a_narrow_lens_cannot_tell_yaw_from_the_principal_point():
     # 8000 px * 0.02 deg = 2.79 px
     assert "yaw" in (fault.name, *fault.also)
     assert "right-cx" in (fault.name, *fault.also)
-    assert re.search(r"2.79 px|2.80 px", fault.says)
+    assert re.search(r"2.79 px|2.80 px", in_words(fault))
 
 
 def test_several_differences_are_listed_the_largest_first():
@@ -250,5 +251,5 @@ def test_several_differences_are_listed_the_largest_first():
     fault = find_fault(true, RIG, points(RIG), NOISE, "optimal")
     assert fault is not None
     assert set(fault.also) == {"right-k1", "baseline", "yaw"}
-    assert "baseline: it is 1.67 % longer" in fault.says
-    assert "0.0200 deg further right" in fault.says
+    assert "baseline: it is 1.67 % longer" in in_words(fault)
+    assert "0.0200 deg further right" in in_words(fault)

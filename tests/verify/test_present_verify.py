@@ -65,7 +65,7 @@ def test_diagnoses_and_how_to_run_it_again() -> None:
     result = result_of(swapped)
     diagnosed = replace(result, triangulators=(replace(result.triangulators[0], diagnoses=DIAGNOSES),))
     said = " ".join(printed(diagnosed, again=AGAIN).split())
-    assert "Diagnosis: swapped-images: Left and right are exchanged." in said
+    assert "Diagnosis: swapped-images: Answers are what swapped images give" in said
     assert "Less likely: inverse-pose:" in said
     assert "Again: rigsim verify --triangulator mine:swapped" in said
 

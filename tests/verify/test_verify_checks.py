@@ -10,6 +10,7 @@ import pytest
 from scipy import stats
 
 from rigsim.errors import InvalidRange, TriangulatorTimeout
+from rigsim.present.verify import words
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.distortion import BrownConrady
@@ -186,8 +187,8 @@ def test_the_rows_of_a_case_are_the_same_whatever_else_is_asked_for() -> None:
 
 def test_every_case_says_by_itself_what_it_shows() -> None:
     for geometry in GEOMETRIES:
-        about = noisy(geometry, 1, stream(0, "x")).about
-        assert about.startswith(exact(geometry, 1, stream(0, "x")).about)
+        about = words.about(noisy(geometry, 1, stream(0, "x")))
+        assert about.startswith(words.about(exact(geometry, 1, stream(0, "x"))))
         assert f"{geometry.noise_px:g} px of noise" in about
 
 
@@ -219,7 +220,7 @@ def test_lost_rows_are_as_many_as_noise_must_lose_whatever_the_lenses(
         return replace(Intrinsics.from_focal(1280, 960, f), distortion=own)
 
     rig = StereoRig.rectified(lens(left_f), 0.05, right=lens(right_f))
-    far = Geometry("far", rig, (6.0, 40.0), "", noise_px=1.0)
+    far = Geometry("far", rig, (6.0, 40.0), noise_px=1.0)
     case = noisy(far, 20_000, stream(0, "x"))
     found = triangulate(rig, case.uv_left, case.uv_right)
     judgement = judge(case, found, 1e-4)
@@ -245,6 +246,6 @@ def test_a_missing_pixel_leaves_no_point_anywhere(filled: float) -> None:
 def test_many_points_are_found_where_few_are_shared() -> None:
     geometry = BY_NAME["forward"]
     assert len(exact(geometry, 150_000, stream(0, "x"))) == 150_000
-    apart = Geometry("apart", StereoRig.verged(RIG.left, 0.1, -120.0), (1.0, 2.0), "")
+    apart = Geometry("apart", StereoRig.verged(RIG.left, 0.1, -120.0), (1.0, 2.0))
     with pytest.raises(InvalidRange, match="turn the cameras towards each other"):
         exact(apart, 10, stream(0, "x"))

@@ -12,6 +12,9 @@ from benchmarks.subjects import triangulators
 from benchmarks.subjects.mutant import Mutant
 from benchmarks.subjects.mutant_names import named_right
 from benchmarks.subjects.mutants_on_condition import MUTANTS
+from rigsim.present.kit.mistakes.of_symptoms import numbers as shown
+from rigsim.present.kit.mistakes.said import in_words
+from rigsim.present.verify.words import says
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.verify.case import Case
@@ -52,10 +55,10 @@ def test_each_is_caught_without_noise_and_scenes(cases: list[Case], mutant: Muta
 
 def test_what_sets_cases_apart_by_hand() -> None:
     # 'toe-out' turns outwards by 12 deg, 'verged' inwards by 20, 'rectified' not at all
-    words = set_apart([small_case("toe-out")], [small_case("verged"), small_case("rectified")])
+    words = in_words(set_apart([small_case("toe-out")], [small_case("verged"), small_case("rectified")]))
     assert words == "only with a turn outwards of 12 deg or more (up to 0 deg passes)"
     # of 'unequal' nothing is special beside itself
-    assert set_apart([small_case("unequal")], [small_case("unequal")]) == "only in unequal exact"
+    assert in_words(set_apart([small_case("unequal")], [small_case("unequal")])) == "only in unequal exact"
 
 
 @pytest.mark.parametrize(
@@ -75,7 +78,7 @@ def test_the_diagnosis_names_the_mistake_and_its_condition(
     (mutant,) = (mutant for mutant in MUTANTS if mutant.name == name)
     told = diagnosed(cases, mutant.function)
     assert named_right(mutant, told), told
-    assert condition in told[0].says
+    assert condition in says(told[0])
 
 
 def test_a_condition_is_no_excuse_for_a_poor_explanation(cases: list[Case]) -> None:
@@ -111,8 +114,8 @@ def test_every_answer_is_zero_only_where_it_is(cases: list[Case]) -> None:
 
 
 def test_rounding_noise_is_printed_as_nothing() -> None:
-    assert numbers(np.array([1.5, -2.27e-13, 0.25])) == "1.5, 0, 0.25"
-    assert not re.search("e-", numbers(np.array([0.0, 0.0])))
+    assert shown(numbers(np.array([1.5, -2.27e-13, 0.25]))) == "1.5, 0, 0.25"
+    assert not re.search("e-", shown(numbers(np.array([0.0, 0.0]))))
 
 
 @pytest.mark.parametrize("name", ["verged", "rolled", "unequal", "vertical", "upside-down", "left-handed"])

@@ -73,11 +73,11 @@ def test_verdicts() -> None:
 def test_a_diagnosis_that_explains_nothing_new_is_less_likely() -> None:
     said = words.diagnoses(DIAGNOSES)
     assert said[0] == (
-        "Diagnosis: swapped-images: Left and right are exchanged. That explains 100 % of the error in 2 "
-        "failing cases."
+        "Diagnosis: swapped-images: Answers are what swapped images give: uv_left and uv_right are exchanged "
+        "somewhere. That explains 100 % of the error in 2 failing cases."
     )
     assert [line.split(":")[0] for line in said] == ["Diagnosis", "Less likely", "Diagnosis"]
-    assert said[1].endswith("The pose is inverted. That explains 70 % of the error in 1 failing case.")
+    assert said[1].endswith(" is taken for its inverse. That explains 70 % of the error in 1 failing case.")
 
 
 def test_pixel_errors_of_a_point_too_far() -> None:

@@ -13,6 +13,7 @@ from rigsim.errors import InvalidRange
 from rigsim.rig import given
 from rigsim.study.design.buildable import Builder
 from rigsim.study.design.solve import PRIOR_NOISE_PX, Specification, specify
+from rigsim.study.saying import saying
 from rigsim.study.tolerance.sensitivities import Tolerances, with_values
 from rigsim.theory.inverse import Requirement
 from rigsim.theory.inverse_error import P95_OVER_STD
@@ -102,7 +103,7 @@ def specified(options: DesignOptions) -> Specification:
     )
     if noise_px is not None:
         return specification
-    return replace(specification, noise_source="assumed", noise_says="assumed, as none was given")
+    return replace(specification, noise_source="assumed", noise_from=saying("assumed: none-given"))
 
 
 def _builder(options: DesignOptions) -> Builder:

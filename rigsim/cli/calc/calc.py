@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
 from rigsim.cli.calc.limits import limits
 from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import print_remarks
-from rigsim.cli.kit.facts import Fact, Form, print_facts
+from rigsim.cli.kit.facts import Fact, Form, print_facts, values
 from rigsim.cli.kit.options import Csv, Json, Markdown, Noise, Principal, single_rig, takes, takes_rig
 from rigsim.cli.kit.rigs import RigOptions
 from rigsim.errors import InvalidRange, RigsimError
@@ -106,7 +106,14 @@ def point(options: RigOptions, words: PointWords) -> None:
     if words.plot is not None:
         _draw(words.plot, rig, found[None], pixel_noise)
     origin = "optical axis" if from_axis else "first pixel"
-    _print(facts, remarks, title="Point", form=form, uv_origin=origin)
+
+    def document() -> dict[str, Any]:
+        from rigsim.interop.documents.calc import point_document
+
+        return point_document(values(facts), origin, remarks)
+
+    print_remarks(remarks)
+    print_facts(facts, title="Point", form=form, document=document)
 
 
 @app.command()
@@ -157,7 +164,14 @@ def depth(
     remarks = [*sight.rig_remarks(rig, sized=options.has_size), *seen.remarks, *about.remarks]
     if not (seen.by_both or quantity.UNIT.search(z)):
         remarks.append(Remark("unit", f"depth {z} was taken in mm: write {z}m if metres are meant"))
-    _print(facts, remarks, title="Depth", form=form)
+
+    def document() -> dict[str, Any]:
+        from rigsim.interop.documents.calc import depth_document
+
+        return depth_document(values(facts), remarks)
+
+    print_remarks(remarks)
+    print_facts(facts, title="Depth", form=form, document=document)
 
 
 app.command()(limits)
@@ -216,12 +230,6 @@ def _residual_facts(residual: float, noise: PixelNoise) -> list[Fact]:
         Fact("residual_px", "residual", residual, "px", "reprojection error of the pixel pair"),
         Fact("residual_sigma", "residual / noise", sigmas, "", "over 3 is unusual for a matching pair"),
     ]
-
-
-def _print(facts: list[Fact], remarks: list[Remark], *, title: str, form: Form, **extra: str) -> None:
-    print_remarks(remarks)
-    told = [{"code": remark.code, "text": remark.text} for remark in remarks]
-    print_facts(facts, title=title, form=form, extra={**extra, "remarks": told})
 
 
 def _one_distance(text: str) -> float:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
 from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import print_remarks
-from rigsim.cli.kit.facts import Fact, Form, print_facts
+from rigsim.cli.kit.facts import Fact, Form, print_facts, values
 from rigsim.cli.kit.options import Csv, Json, Markdown, Principal, single_rig, takes, takes_rig
 from rigsim.cli.kit.rigs import RigOptions
 from rigsim.errors import InvalidRange
@@ -89,17 +89,18 @@ def _tell(rig: StereoRig, depths_mm: Sequence[float], search: _Search, reached: 
         *reached.remarks,
         *limit_remarks(rig, [depth_mm / 1e3 for depth_mm in depths_mm]),
     ]
+
+    def document() -> dict[str, Any]:
+        from rigsim.interop.documents.calc import limits_document
+
+        return limits_document(values(ahead), [values(facts) for facts in at], remarks)
+
     print_remarks(remarks)
-    told = [{"code": remark.code, "text": remark.text} for remark in remarks]
-    listed = [{**{fact.key: fact.value for fact in facts}, "unit": "mm"} for facts in at]
-    # one distance is told flat as well; several would contradict each other there
-    flat = at[0] if len(at) == 1 else [_untold(fact) for fact in at[0]]
-    shown = flat if form.json else [fact for facts in at for fact in facts]
     print_facts(
-        [*ahead, *shown],
+        [*ahead, *(fact for facts in at for fact in facts)],
         title="Limits",
         form=form,
-        extra={"at": listed, "remarks": told},
+        document=document,
         rows=[[*ahead, *facts] for facts in at],
     )
 
@@ -200,7 +201,3 @@ def _facts_at(rig: StereoRig, depth_mm: float) -> list[Fact]:
         Fact("dead_rows_px", "dead rows", dead_rows, "px", "left rows the right camera does not see"),
         Fact("depth_step", "depth step", step_mm, "mm", "of one pixel of disparity at this Z"),
     ]
-
-
-def _untold(fact: Fact) -> Fact:
-    return Fact(fact.key, fact.name, math.nan, fact.unit, fact.meaning)

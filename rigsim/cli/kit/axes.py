@@ -17,6 +17,9 @@ from rigsim.study.scene.axes.axis import Axis
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
+CONTEXT = inspect.Parameter("context", inspect.Parameter.KEYWORD_ONLY, annotation=typer.Context)
+"""How a command asks typer for what it knows of the words that were typed."""
+
 TYPED: tuple[Axis, ...] = tuple(axis for axis in registry.ALL if axis.of_rig or axis.of_noise)
 """Those with an option of their own making; triangulators and sensors have theirs in the commands."""
 
@@ -26,9 +29,8 @@ def takes_axes(command: Callable[Concatenate[Mapping[str, str], _P], _R]) -> Cal
     argument."""
 
     @functools.wraps(command)
-    def run(**words: Any) -> _R:
-        typed = {axis.name: words.pop(axis.name) for axis in TYPED}
-        return cast(Callable[..., _R], command)(_meant(typed), **words)
+    def run(context: typer.Context, **words: Any) -> _R:
+        return cast(Callable[..., _R], command)(meant(TYPED, words, context), **words)
 
     options = [
         inspect.Parameter(
@@ -40,7 +42,7 @@ def takes_axes(command: Callable[Concatenate[Mapping[str, str], _P], _R]) -> Cal
         for axis in TYPED
     ]
     own = list(inspect.signature(command, eval_str=True).parameters.values())[1:]
-    parameters = [*options, *(item.replace(kind=inspect.Parameter.KEYWORD_ONLY) for item in own)]
+    parameters = [CONTEXT, *options, *(item.replace(kind=inspect.Parameter.KEYWORD_ONLY) for item in own)]
     # where typer looks for a function's parameters
     run.__annotations__ = {item.name: item.annotation for item in parameters}
     vars(run)["__signature__"] = inspect.Signature(parameters)
@@ -68,26 +70,30 @@ def values_of(typed: Mapping[str, str], axes: Sequence[Axis]) -> dict[str, tuple
     }
 
 
-def _meant(typed: Mapping[str, str | None]) -> dict[str, str]:
-    """What was typed, and what is meant where nothing was.
+def meant(axes: Sequence[Axis], words: dict[str, Any], context: typer.Context) -> dict[str, str]:
+    """What was typed of `axes`, taken out of `words`, and what is meant where nothing was.
 
     Raises:
-        InvalidRange: two axes that say the same were typed.
+        InvalidRange: two axes that say the same were typed, be it with the value that is meant anyway.
     """
-    said = {
-        name: text
-        for name, text in typed.items()
-        if text is not None and text != registry.BY_NAME[name].default
-    }
+    texts = {axis.name: words.pop(axis.name) for axis in axes}
+    said = {name: text for name, text in texts.items() if text is not None and _is_typed(context, name)}
     replaced = set()
     for name in said:
         other = registry.BY_NAME[name].instead_of
         if other in said:
             raise InvalidRange(f"--{other} and --{name} both given: they say the same thing, give one")
         replaced.add(other)
-    meant = {
+    unsaid = {
         axis.name: axis.default
-        for axis in TYPED
-        if axis.default is not None and axis.name not in said and axis.name not in replaced
+        for axis in axes
+        if axis.default is not None
+        and not {axis.name, axis.instead_of} & set(said)
+        and axis.name not in replaced
     }
-    return said | meant
+    return said | unsaid
+
+
+def _is_typed(context: typer.Context, name: str) -> bool:
+    source = context.get_parameter_source(name)
+    return source is not None and source.name not in ("DEFAULT", "DEFAULT_MAP")

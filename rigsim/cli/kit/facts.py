@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -46,12 +46,17 @@ class Form:
             raise InvalidRange("--json, --csv and --markdown exclude each other: give one")
 
 
+def values(facts: Sequence[Fact]) -> dict[str, float | str]:
+    """The numbers and words by key."""
+    return {fact.key: fact.value for fact in facts}
+
+
 def print_facts(
     facts: Sequence[Fact],
     *,
     title: str,
     form: Form,
-    extra: Mapping[str, Any] | None = None,
+    document: Callable[[], Mapping[str, Any]],
     rows: Sequence[Sequence[Fact]] | None = None,
 ) -> None:
     """Print `facts` on standard output.
@@ -63,11 +68,11 @@ def print_facts(
         facts: what is told.
         title: heading of the table.
         form: for whom.
-        extra: what else JSON holds.
+        document: makes what JSON holds.
         rows: facts of CSV, a sequence a line; one line of `facts` by default.
     """
     if form.json:
-        print_document({**{fact.key: fact.value for fact in facts}, **(extra or {}), "unit": "mm"})
+        print_document(document())
     elif form.csv:
         typer.echo(_csv(rows or [facts]), nl=False)
     elif form.markdown:
@@ -89,10 +94,10 @@ def _csv(rows: Sequence[Sequence[Fact]]) -> str:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([*(fact.key for fact in rows[0]), "unit"])
     for row in rows:
-        values = (
+        cells = (
             fact.value if isinstance(fact.value, str) else repr(clean(fact.value, DIGITS)) for fact in row
         )
-        writer.writerow([*values, "mm"])
+        writer.writerow([*cells, "mm"])
     return text.getvalue()
 
 

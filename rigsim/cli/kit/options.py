@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, TypeVa
 import typer
 
 from rigsim.cli.kit import quantity
+from rigsim.cli.kit.axes import CONTEXT, meant
 from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
 from rigsim.errors import InvalidRange
 from rigsim.study.scene.axes import registry
@@ -38,7 +39,9 @@ PresetName = Annotated[
 
 _RIG_OPTIONS: dict[str, Any] = {
     **{
-        axis.name: Annotated[str | None, typer.Option(metavar=axis.metavar, help=axis.help_one)]
+        axis.name: Annotated[
+            str | None, typer.Option(metavar=axis.metavar or None, help=axis.help_one or axis.help)
+        ]
         for axis in registry.ALL
         if axis.of_rig is not None
     },
@@ -108,20 +111,26 @@ def takes_rig(command: Callable[Concatenate[RigOptions, _P], _R]) -> Callable[..
     """Give `command` the rig options as its own, and hand them to it as its first argument."""
 
     @functools.wraps(command)
-    def run(**words: Any) -> _R:
-        options = RigOptions.of({name: words.pop(name) for name in _RIG_OPTIONS})
+    def run(context: typer.Context, **words: Any) -> _R:
+        typed = meant(registry.OF_RIG, words, context)
+        options = RigOptions.of(typed, **{name: words.pop(name) for name in _RIG_OPTIONS if name in words})
         return cast(Callable[..., _R], command)(options, **words)
 
     own = list(inspect.signature(command, eval_str=True).parameters.values())[1:]
     rig = [
-        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=_default(name), annotation=annotation)
         for name, annotation in _RIG_OPTIONS.items()
     ]
-    parameters = [*(item.replace(kind=inspect.Parameter.KEYWORD_ONLY) for item in own), *rig]
+    parameters = [CONTEXT, *(item.replace(kind=inspect.Parameter.KEYWORD_ONLY) for item in own), *rig]
     # where typer looks for a function's parameters
     run.__annotations__ = {item.name: item.annotation for item in parameters}
     vars(run)["__signature__"] = inspect.Signature(parameters)
     return run
+
+
+def _default(name: str) -> str | None:
+    axis = registry.BY_NAME.get(name)
+    return None if axis is None else axis.default
 
 
 def single_rig(options: RigOptions, principal: str | None, *, size_for: str = "") -> StereoRig:

@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Literal, TypeAlias
+
+from pydantic import SkipValidation
 
 from rigsim.interop.documents.base import Part, RemarkPart
+from rigsim.rig.remark import Remark
+
+Values: TypeAlias = Mapping[str, Any]
+"""A document's numbers by key; NaN and infinite ones become null in the text."""
 
 SeenBy = Literal["both", "left", "right", "neither"]
 
@@ -41,8 +48,6 @@ class CalcPointDocument(Part):
 
     seen_by: SeenBy
     """Whose image holds its pixel; unless both do, no depth error is given."""
-    uv_origin: Literal["first pixel", "optical axis"]
-    """Where pixels count from: the optical axis where neither image size nor principal point is known."""
     x: float
     """Right of the left camera, mm."""
     y: float
@@ -64,6 +69,8 @@ class CalcPointDocument(Part):
     """Nearest depth when the disparity is off by its error, mm; null unless both images hold their pixel."""
     depth_far: float | None
     """Farthest depth when the disparity is off by its error, mm; null as well without bound."""
+    uv_origin: Literal["first pixel", "optical axis"]
+    """Where pixels count from: the optical axis where neither image size nor principal point is known."""
     remarks: list[RemarkPart]
     """What is odd: pixels outside the image, rays that miss each other, too much noise, an unlikely lens."""
     unit: Literal["mm"]
@@ -106,17 +113,17 @@ class CalcLimitsDocument(Part):
     """The same, vertical."""
     blind_zone: float | None
     """Z before which no point at all is seen by both, mm; null when they see no point in common."""
+    search_min_px: float
+    """Least disparity searched, px, shift left out."""
+    search_max_px: SkipValidation[float]  # a published whole number stays one
+    """Greatest disparity searched, px, shift left out."""
+    shift_px: float | None
+    """Disparity shift added to both: --shift, or the one that --reach finds; null where none will do."""
     min_depth: float | None
     """Depth of the largest disparity searched, mm; null for a rig that is not rectified, or where no shift
     will do."""
     max_depth: float | None
     """Depth of the smallest disparity searched, mm; null as well without bound."""
-    search_min_px: float
-    """Least disparity searched, px, shift left out."""
-    search_max_px: float
-    """Greatest disparity searched, px, shift left out."""
-    shift_px: float | None
-    """Disparity shift added to both: --shift, or the one that --reach finds; null where none will do."""
     z: float | None
     """The one distance --z, mm; null when several are given, as all below: see `at`."""
     overlap_share: float | None
@@ -139,3 +146,39 @@ class CalcLimitsDocument(Part):
     """What is odd: distances at which nothing is shared, no shift that reaches, an unlikely lens."""
     unit: Literal["mm"]
     """Unit of the keys that name none."""
+
+
+def point_document(values: Values, uv_origin: str, remarks: Iterable[Remark]) -> dict[str, Any]:
+    """What ``rigsim calc point --json`` prints.
+
+    Args:
+        values: the numbers.
+        uv_origin: where pixels count from.
+        remarks: what is odd.
+    """
+    rest: Values = {"uv_origin": uv_origin, "remarks": _told(remarks), "unit": "mm"}
+    return CalcPointDocument(**values, **rest).model_dump()
+
+
+def depth_document(values: Values, remarks: Iterable[Remark]) -> dict[str, Any]:
+    """What ``rigsim calc depth --json`` prints."""
+    return CalcDepthDocument(**values, remarks=_told(remarks), unit="mm").model_dump()
+
+
+def limits_document(values: Values, at: Sequence[Values], remarks: Iterable[Remark]) -> dict[str, Any]:
+    """What ``rigsim calc limits --json`` prints.
+
+    Args:
+        values: the numbers of the rig.
+        at: those of each distance; of one alone they are told beside the rig's as well, of several they would
+            contradict each other there.
+        remarks: what is odd.
+    """
+    flat = at[0] if len(at) == 1 else dict.fromkeys(at[0])
+    return CalcLimitsDocument(
+        **values, **flat, at=[LimitsAt(**one, unit="mm") for one in at], remarks=_told(remarks), unit="mm"
+    ).model_dump()
+
+
+def _told(remarks: Iterable[Remark]) -> list[RemarkPart]:
+    return [RemarkPart(code=remark.code, text=remark.text) for remark in remarks]

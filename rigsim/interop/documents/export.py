@@ -3,13 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from rigsim.interop.documents.base import Part, Provenance, RemarkPart, SeenRig, Written, seen_rig
 from rigsim.interop.documents.text import clean
+from rigsim.interop.formats.registry import RIG_FORMATS
+from rigsim.interop.layouts.registry import BY_NAME as LAYOUTS
 from rigsim.rig.stereo import StereoRig
+
+
+def _one_of(known: Mapping[str, object]) -> tuple[Any, Any]:
+    """What makes a field take the names of a registry alone, and its schema list them."""
+
+    def check(name: str) -> str:
+        if name not in known:
+            raise ValueError(f"{name!r}: must be one of {', '.join(known)}")
+        return name
+
+    return AfterValidator(check), Field(json_schema_extra={"enum": list(known)})
+
+
+_RigFormat = Annotated[str, *_one_of(RIG_FORMATS)]
+_Layout = Annotated[str, *_one_of(LAYOUTS)]
 
 
 class ExportedRig(SeenRig):
@@ -28,7 +45,7 @@ class ExportRigDocument(Part):
 
     command: str
     """The command that was typed."""
-    format: Literal["opencv", "ros", "kalibr", "middlebury", "colmap", "mjcf", "nerfstudio"]
+    format: _RigFormat
     """Whose files they are."""
     rig: ExportedRig
     written: Written
@@ -40,7 +57,7 @@ class ExportDatasetDocument(Part):
 
     command: str
     """The command that was typed."""
-    format: Literal["middlebury", "kitti", "opencv", "colmap"]
+    format: _Layout
     """Whose layout it has."""
     rig: ExportedRig
     frames: int = Field(gt=0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import Field, create_model
 
@@ -23,9 +23,11 @@ def row_model(name: str, says: str, columns: Iterable[Column], base: type[Part] 
     fields: dict[str, Any] = {}
     for column in columns:
         kind: Any = {"text": str, "count": int}.get(column.format, int if column.whole else float)
+        if column.words:
+            kind = Literal[column.words]
         fields[column.name] = (
             kind | None if column.empty else kind,
-            Field(description=column.meaning, pattern=column.pattern or None),
+            Field(description=column.meaning, pattern=column.pattern or None, gt=column.above),
         )
     model: type[Part] = create_model(name, __base__=base, __doc__=says, __module__=__name__, **fields)
     return model

@@ -7,7 +7,7 @@ from typing import Any
 from rigsim.interop.documents.base import Part
 from rigsim.interop.documents.calc import CalcDepthDocument, CalcLimitsDocument, CalcPointDocument
 from rigsim.interop.documents.compare import CompareDocument
-from rigsim.interop.documents.design import DesignDocument
+from rigsim.interop.documents.design.models import DesignDocument
 from rigsim.interop.documents.export import ExportDatasetDocument, ExportRigDocument
 from rigsim.interop.documents.infer import InferDocument
 from rigsim.interop.documents.listings import (
@@ -16,7 +16,7 @@ from rigsim.interop.documents.listings import (
     PresetsDocument,
     ScenesDocument,
 )
-from rigsim.interop.documents.measure import MeasureDocument
+from rigsim.interop.documents.measure.models import MeasureDocument
 from rigsim.interop.documents.render import RenderDocument
 from rigsim.interop.documents.sweep import SweepDocument
 from rigsim.interop.documents.tolerance import ToleranceDocument

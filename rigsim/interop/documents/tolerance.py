@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from pydantic import Field
 
 from rigsim.interop.documents.base import Part, Rig, finite, plain_rig
+from rigsim.interop.documents.rows import row_model
 from rigsim.study.tolerance.built import percentile_mm
+from rigsim.study.tolerance.columns import HEAD, REST
 from rigsim.study.tolerance.run import DepthErrors, Rigs, ToleranceResult
 from rigsim.study.tolerance.table import quantity_head, quantity_rest
 
@@ -55,48 +57,18 @@ class YieldAlone(Part):
     """After one that knows the tolerances beforehand; null without it."""
 
 
-class Quantity(Part):
-    """One quantity that is held within a tolerance."""
+if TYPE_CHECKING:
 
-    quantity: str
-    """What it is; the name ends in its unit."""
-    unit: str
-    """Its unit; empty for a plain number."""
-    tolerance: float
-    """How tightly it is held, in that unit."""
-    form: Literal["std", "bound"]
-    """Whether that is one standard deviation or a bound."""
-    source: str
-    """Where the tolerance comes from."""
-    depth_error_mm: list[float]
-    """RMS depth error that it makes alone at each of the distances, mm."""
-    common_mm: float
-    """At the required distance, what all the image has in common, mm; signed, for a positive deviation."""
-    differing_mm: float
-    """At the required distance, what varies across the image, mm."""
-    variance_share: float
-    """Its share of the mean squared depth error there, 0 to 1."""
-    sobol_first: float | None
-    """First-order Sobol index of a rig's RMS depth error; null where a rig loses a point or not asked."""
-    sobol_first_se: float | None
-    """Its standard error."""
-    sobol_total: float | None
-    """Total Sobol index of the same."""
-    sobol_total_se: float | None
-    """Its standard error."""
-    sobol_bias_first: float | None
-    """First-order Sobol index of a rig's mean depth error; null where a rig loses a point or not asked."""
-    sobol_bias_first_se: float | None
-    """Its standard error."""
-    sobol_bias_total: float | None
-    """Total Sobol index of the same."""
-    sobol_bias_total_se: float | None
-    """Its standard error."""
-    needed_alone: float | None
-    """Tolerance with which 95 of 100 rigs meet it with their noise when nothing else is off, in its unit;
-    null when any does, 0 where noise alone is too much."""
-    needed_equal_share: float | None
-    """The same when every quantity takes an equal part of the variance, all at once; null when any does."""
+    class Quantity(Part):
+        """The columns of tolerance.csv, with one list of depth errors."""
+
+else:
+
+    class _Errors(row_model("Head", "What a quantity is.", HEAD)):
+        depth_error_mm: list[float]
+        """RMS depth error that it makes alone at each of the distances, mm."""
+
+    Quantity = row_model("Quantity", "One quantity that is held within a tolerance.", REST, _Errors)
 
 
 class Interactions(Part):
@@ -234,12 +206,10 @@ def required_part(result: ToleranceResult) -> Required:
 def quantities_part(result: ToleranceResult) -> list[Quantity]:
     """Every quantity, the worst first."""
     return [
-        Quantity(
-            **quantity_head(result, item),
-            depth_error_mm=list(item.depth_rms_mm),
-            **quantity_rest(result, item),
-            needed_alone=finite(item.needed_alone),
-            needed_equal_share=finite(item.needed_equal_share),
+        Quantity.model_validate(
+            quantity_head(result, item)
+            | {"depth_error_mm": list(item.depth_rms_mm)}
+            | {name: _known(value) for name, value in quantity_rest(result, item).items()}
         )
         for item in result.sensitivities
     ]
@@ -258,6 +228,10 @@ def _recalibration(result: ToleranceResult, words: Words) -> Recalibration | Non
         length_std_mm=session.length_std_mm,
         says=words.recalibration_sentence(result),
     )
+
+
+def _known(value: float | None) -> float | None:
+    return None if value is None else finite(value)
 
 
 def _share(rigs: Rigs) -> float:

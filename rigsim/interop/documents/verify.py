@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, cast
+from typing import Any, Literal, Protocol, cast
 
 from pydantic import Field
 
 from rigsim.interop.documents.base import Part, Versions, finite
 from rigsim.rig.arrays import Array
-from rigsim.study.verify.case import CaseKind
+from rigsim.study.verify.case import Case, CaseKind
 from rigsim.study.verify.golden import VERDICTS, GoldenReport
 from rigsim.study.verify.result import (
     CaseResult,
     Check,
     CheckName,
     CheckUnit,
+    Diagnosis,
     Status,
     TriangulatorResult,
     VerifyResult,
@@ -230,13 +231,27 @@ class VerifyDocument(Part):
     provenance: MadeBy
 
 
+class Words(Protocol):
+    """The sentences of the document, made by whoever calls: `rigsim.present.verify.words` has them all."""
+
+    def about(self, what: Case) -> str:
+        """What a case shows."""
+
+    def why(self, check: Check) -> str:
+        """Where the bounds of a check come from."""
+
+    def says(self, found: Diagnosis) -> str:
+        """What a mistake is, and where to look."""
+
+
 def verify_document(
-    result: VerifyResult, strict: bool = False, golden: GoldenReport | None = None
+    result: VerifyResult, words: Words, strict: bool = False, golden: GoldenReport | None = None
 ) -> dict[str, Any]:
     """The verification with stable keys and units in their names; null where there is no number.
 
     Args:
         result: the verification.
+        words: its sentences.
         strict: whether efficiency counts.
         golden: how it compares with golden results; None when it was not asked.
     """
@@ -246,7 +261,7 @@ def verify_document(
         suite=cast("Suite", result.suite),
         seed=result.seed,
         false_alarm=FALSE_ALARM,
-        triangulators=[_triangulator(one, strict) for one in result.triangulators],
+        triangulators=[_triangulator(one, words, strict) for one in result.triangulators],
         left_out=list(result.left_out),
         golden=None if golden is None else _golden(golden),
         provenance=MadeBy.model_validate(dict(result.provenance)),
@@ -277,7 +292,7 @@ def _golden(golden: GoldenReport) -> Golden:
     )
 
 
-def _triangulator(result: TriangulatorResult, strict: bool) -> TriangulatorDone:
+def _triangulator(result: TriangulatorResult, words: Words, strict: bool) -> TriangulatorDone:
     status = [case.status(strict) for case in result.results]
     return TriangulatorDone(
         triangulator=result.triangulator,
@@ -286,21 +301,24 @@ def _triangulator(result: TriangulatorResult, strict: bool) -> TriangulatorDone:
         seconds=sum(case.seconds for case in result.results),
         diagnoses=[
             Diagnosed(
-                mistake=one.mistake, says=one.says, explained=finite(one.explained), cases=list(one.cases)
+                mistake=one.mistake,
+                says=words.says(one),
+                explained=finite(one.explained),
+                cases=list(one.cases),
             )
             for one in result.diagnoses
         ],
-        cases=[_case(case, strict) for case in result.results],
+        cases=[_case(case, words, strict) for case in result.results],
     )
 
 
-def _case(result: CaseResult, strict: bool) -> CaseDone:
+def _case(result: CaseResult, words: Words, strict: bool) -> CaseDone:
     case, status = result.case, result.status(strict)
     return CaseDone(
         case=case.name,
         group=case.group,
         kind=case.kind,
-        about=case.about,
+        about=words.about(case),
         rows=len(case),
         status=status,
         error=result.error or None,
@@ -310,12 +328,12 @@ def _case(result: CaseResult, strict: bool) -> CaseDone:
         depth_rms_mm=finite(result.depth_rms_m * 1e3),
         predicted_depth_rms_mm=finite(result.predicted_depth_rms_m * 1e3),
         notes=list(result.notes),
-        checks=[_check(check) for check in result.checks],
+        checks=[_check(check, words) for check in result.checks],
         worst_rows=[_row(row) for row in worst_rows(result)] if status == "failed" else [],
     )
 
 
-def _check(check: Check) -> Checked:
+def _check(check: Check, words: Words) -> Checked:
     return Checked(
         check=check.name,
         ok=check.ok,
@@ -324,7 +342,7 @@ def _check(check: Check) -> Checked:
         high=finite(check.high),
         unit=check.unit,
         only_strict=check.only_strict,
-        why=check.why,
+        why=words.why(check),
     )
 
 

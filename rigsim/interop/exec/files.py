@@ -8,13 +8,13 @@ from typing import TypeAlias
 
 import numpy as np
 
-from rigsim.errors import TriangulatorError
+from rigsim.errors import InvalidRig, TriangulatorError
 from rigsim.interop.formats.opencv_yaml import FILE_NAME as OPENCV
 from rigsim.interop.formats.opencv_yaml import opencv_yaml
 from rigsim.programs import plain
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.intrinsics import Intrinsics
-from rigsim.rig.lens.distortion import BrownConrady
+from rigsim.rig.lens.distortion import brown_of
 from rigsim.rig.stereo import StereoRig
 
 CALIBRATION = "calibration.json"
@@ -32,12 +32,18 @@ _Row: TypeAlias = tuple[int, str]
 
 
 def task_files(rig: StereoRig, uv_left: Array, uv_right: Array) -> dict[str, str]:
-    """What a program is given, name to text: the rig twice, and pixels (N, 2), every digit kept."""
-    return {
-        CALIBRATION: calibration_json(rig),
-        OPENCV: opencv_yaml(rig),
-        OBSERVATIONS: _observations(uv_left, uv_right),
-    }
+    """What a program is given, name to text: the rig twice, and pixels (N, 2), every digit kept.
+
+    Raises:
+        TriangulatorError: the files cannot hold the rig's lens.
+    """
+    try:
+        calibration, opencv = calibration_json(rig), opencv_yaml(rig)
+    except InvalidRig as error:
+        raise TriangulatorError(
+            f"{error}: try a Python function, package.module:function", "misused"
+        ) from None
+    return {CALIBRATION: calibration, OPENCV: opencv, OBSERVATIONS: _observations(uv_left, uv_right)}
 
 
 def calibration_json(rig: StereoRig) -> str:
@@ -87,7 +93,7 @@ def parse_points(content: bytes, count: int) -> Array:
 
 
 def _camera(camera: Intrinsics) -> dict[str, object]:
-    lens = camera.distortion or BrownConrady()
+    lens = brown_of(camera.distortion, CALIBRATION)
     return {
         "width_px": camera.width,
         "height_px": camera.height,
@@ -95,7 +101,7 @@ def _camera(camera: Intrinsics) -> dict[str, object]:
         "fy_px": camera.fy,
         "cx_px": camera.cx,
         "cy_px": camera.cy,
-        "distortion": {name: getattr(lens, name) for name in ("k1", "k2", "p1", "p2", "k3")},
+        "distortion": {name: getattr(lens, name) for name in lens.names()},
     }
 
 

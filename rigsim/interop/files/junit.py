@@ -11,7 +11,8 @@ from collections.abc import Sequence
 from typing import Protocol
 from xml.etree import ElementTree
 
-from rigsim.study.verify.result import CaseResult, Diagnosis, TriangulatorResult, VerifyResult
+from rigsim.study.verify.case import Case
+from rigsim.study.verify.result import CaseResult, Check, Diagnosis, TriangulatorResult, VerifyResult
 
 _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
@@ -21,6 +22,12 @@ class Words(Protocol):
 
     def reason(self, result: CaseResult, strict: bool) -> str:
         """Why a case failed, one line."""
+
+    def about(self, what: Case) -> str:
+        """What a case shows."""
+
+    def why(self, check: Check) -> str:
+        """Where the bounds of a check come from."""
 
     def diagnoses(self, found: Sequence[Diagnosis]) -> Sequence[str]:
         """What the failures look like, best first."""
@@ -77,7 +84,7 @@ def _case(result: CaseResult, words: Words, strict: bool) -> ElementTree.Element
         ElementTree.SubElement(element, "error", {"message": why, "type": "error"}).text = why
     elif status == "failed":
         bad = result.failures(strict)
-        says = [result.case.about, *(f"{check.name}: {check.why}" for check in bad)]
+        says = [words.about(result.case), *(f"{check.name}: {words.why(check)}" for check in bad)]
         failure = ElementTree.SubElement(element, "failure", {"message": why, "type": bad[0].name})
         failure.text = _clean("\n".join([why, *says]))
     if result.notes:

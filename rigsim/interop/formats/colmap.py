@@ -25,6 +25,7 @@ from rigsim.interop.formats.values import (
     rotation_from_quaternion,
 )
 from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.lens.distortion import brown_of
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 
@@ -103,10 +104,10 @@ def parse_colmap(texts: Mapping[str, str]) -> StereoRig:
 
 
 def _camera_line(number: int, camera: Intrinsics) -> str:
-    d = camera.distortion
+    d = brown_of(camera.distortion, "COLMAP's OPENCV camera")
     params = [camera.fx, camera.fy, camera.cx + _HALF, camera.cy + _HALF]
     model = "PINHOLE"
-    if d is not None:
+    if not d.is_ideal:
         params += [d.k1, d.k2, d.p1, d.p2] + ([d.k3, 0.0, 0.0, 0.0] if d.k3 else [])
         model = "FULL_OPENCV" if d.k3 else "OPENCV"
     return f"{number} {model} {camera.width} {camera.height} {' '.join(real(value) for value in params)}"

@@ -40,8 +40,9 @@ def camchain_yaml(rig: StereoRig) -> str:
         InvalidRig: a lens has k3, which ``radtan`` lacks.
     """
     for side, camera in (("left", rig.left), ("right", rig.right)):
-        if camera.distortion is not None and camera.distortion.k3:
-            raise InvalidRig(f"{side} k3 {camera.distortion.k3:g}: must be 0, Kalibr's radtan lens has no k3")
+        k3 = coefficients(camera)[4]
+        if k3:
+            raise InvalidRig(f"{side} k3 {k3:g}: must be 0, Kalibr's radtan lens has no k3")
     pose = rig.right_from_left
     rows = [[*pose.R[i], pose.t[i]] for i in range(3)] + [[0.0, 0.0, 0.0, 1.0]]
     transform = "\n".join(f"  - [{reals(row)}]" for row in rows)

@@ -29,7 +29,7 @@ from rigsim.interop.formats.values import (
 from rigsim.interop.formats.yaml_text import yaml_table
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
-from rigsim.rig.lens.distortion import BrownConrady
+from rigsim.rig.lens.distortion import brown_of
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 
@@ -91,9 +91,12 @@ def parse_opencv_yaml(text: str) -> StereoRig:
 
 
 def coefficients(camera: Intrinsics) -> Array:
-    """A camera's distortion in OpenCV's order, (5,): k1, k2, p1, p2, k3."""
-    d = camera.distortion or BrownConrady()
-    return np.array([d.k1, d.k2, d.p1, d.p2, d.k3])
+    """A camera's distortion in OpenCV's order, (5,): k1, k2, p1, p2, k3.
+
+    Raises:
+        InvalidRig: its lens is another model.
+    """
+    return np.array(brown_of(camera.distortion, "the file").coefficients)
 
 
 def rectified_matrices(rig: StereoRig) -> dict[str, Array]:

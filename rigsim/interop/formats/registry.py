@@ -38,6 +38,9 @@ RIG_FORMATS: Mapping[str, Callable[[StereoRig], Mapping[str, str]]] = MappingPro
 )
 """Those that are written, by name; each turns a rig into texts by file name, or raises `InvalidRig`."""
 
+OURS_ALONE = "none but rig.toml (rigsim.write_rig)"
+"""Which formats hold a rig, where none that is written does."""
+
 
 def rig_files(rig: StereoRig, format: str) -> dict[str, bytes]:
     """The calibration files of `rig` in a format of `RIG_FORMATS`, by name.
@@ -51,7 +54,7 @@ def rig_files(rig: StereoRig, format: str) -> dict[str, bytes]:
     try:
         texts = RIG_FORMATS[format](rig)
     except InvalidRig as error:
-        able = ", ".join(name for name in RIG_FORMATS if _holds(name, rig))
+        able = ", ".join(name for name in RIG_FORMATS if _holds(name, rig)) or OURS_ALONE
         raise InvalidRig(f"format {format}: {error}; formats that hold this rig: {able}") from None
     return {name: text.encode() for name, text in texts.items()}
 

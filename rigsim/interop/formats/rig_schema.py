@@ -9,21 +9,18 @@ from decimal import Decimal
 from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import BeforeValidator, Field, ValidationError
 
 from rigsim.errors import InvalidRig
+from rigsim.interop.formats.lens_tables import TABLES, AnyLens, Number, Table
 from rigsim.interop.formats.values import clipped, shown
 from rigsim.rig.intrinsics import Intrinsics
-from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.perturbation import Perturbation
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 
 if TYPE_CHECKING:
     from rigsim.rig.sensor import Sensor
-
-LARGEST = 10**12
-"""Bound of every number, far beyond any rig."""
 
 
 def rig_from_table(table: Mapping[str, object]) -> StereoRig:
@@ -68,15 +65,6 @@ def _read(table: Mapping[str, object]) -> _Short | _Full:
         raise InvalidRig(_explained(error, form)) from None
 
 
-def _number(value: object) -> object:
-    if isinstance(value, bool) or not isinstance(value, int | Decimal):
-        raise ValueError("must be a number")
-    number = Decimal(value)
-    if not number.is_finite() or abs(number) > LARGEST:
-        raise ValueError(f"must be a finite number within +-{LARGEST:g}")
-    return number
-
-
 def _whole(value: object) -> object:
     if isinstance(value, bool) or not isinstance(value, int):
         raise ValueError("must be a whole number")
@@ -97,29 +85,13 @@ def _name(value: object) -> object:
 
 _BITS = (0, 8, 10, 12, 16)
 
-_Number = Annotated[Decimal, BeforeValidator(_number)]
-_Positive = Annotated[_Number, Field(gt=0)]
-_NotNegative = Annotated[_Number, Field(ge=0)]
+_Positive = Annotated[Number, Field(gt=0)]
+_NotNegative = Annotated[Number, Field(ge=0)]
 _Size = Annotated[int, BeforeValidator(_whole), Field(ge=1, le=10**6)]
-_Vector = Annotated[list[_Number], Field(min_length=3, max_length=3)]
+_Vector = Annotated[list[Number], Field(min_length=3, max_length=3)]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class _Distortion(_Table):
-    k1: _Number = Decimal(0)
-    k2: _Number = Decimal(0)
-    p1: _Number = Decimal(0)
-    p2: _Number = Decimal(0)
-    k3: _Number = Decimal(0)
-
-    def lens(self) -> BrownConrady:
-        return BrownConrady(**{name: float(value) for name, value in self})
-
-
-class _Sensor(_Table):
+class _Sensor(Table):
     """What is not given is the named sensor's or, without a name, the ideal one's."""
 
     name: Annotated[str, BeforeValidator(_name)] | None = None
@@ -130,12 +102,12 @@ class _Sensor(_Table):
     gain: _Positive | None = None
     bits: Annotated[int, BeforeValidator(_bits)] | None = None
     right_gain: _Positive | None = None
-    right_offset: Annotated[_Number, Field(gt=-1, lt=1)] | None = None
-    vignetting: Annotated[_Number, Field(ge=0, lt=1)] | None = None
-    black_level: Annotated[_Number, Field(ge=0, lt=255)] | None = None
+    right_offset: Annotated[Number, Field(gt=-1, lt=1)] | None = None
+    vignetting: Annotated[Number, Field(ge=0, lt=1)] | None = None
+    black_level: Annotated[Number, Field(ge=0, lt=255)] | None = None
     prnu_pct: _NotNegative | None = None
     dsnu_e: _NotNegative | None = None
-    distortion: _Distortion | None = None
+    distortion: AnyLens | None = None
 
     def sensor(self) -> Sensor:
         # only files that hold a sensor pay for what it loads
@@ -152,19 +124,19 @@ class _Sensor(_Table):
         return replace(sensor_preset(self.name).sensor(**electrons), **given)
 
 
-class _Perturbation(_Table):
+class _Perturbation(Table):
     """The fields of `rigsim.rig.perturbation.Perturbation`, in the units of files."""
 
-    yaw_deg: _Number = Decimal(0)
-    pitch_deg: _Number = Decimal(0)
-    roll_deg: _Number = Decimal(0)
-    baseline_mm: _Number = Decimal(0)
-    axial_mm: _Number = Decimal(0)
-    vertical_mm: _Number = Decimal(0)
-    right_focal_px: _Number = Decimal(0)
-    right_cx_px: _Number = Decimal(0)
-    right_k1: _Number = Decimal(0)
-    both_k1: _Number = Decimal(0)
+    yaw_deg: Number = Decimal(0)
+    pitch_deg: Number = Decimal(0)
+    roll_deg: Number = Decimal(0)
+    baseline_mm: Number = Decimal(0)
+    axial_mm: Number = Decimal(0)
+    vertical_mm: Number = Decimal(0)
+    right_focal_px: Number = Decimal(0)
+    right_cx_px: Number = Decimal(0)
+    right_k1: Number = Decimal(0)
+    both_k1: Number = Decimal(0)
 
     def perturbation(self) -> Perturbation:
         return Perturbation(
@@ -174,17 +146,17 @@ class _Perturbation(_Table):
         )
 
 
-class _Short(_Table):
+class _Short(Table):
     baseline_mm: _Positive
     width_px: _Size
     height_px: _Size
     focal_px: _Positive | None = None
-    hfov_deg: Annotated[_Number, Field(gt=0, lt=180)] | None = None
+    hfov_deg: Annotated[Number, Field(gt=0, lt=180)] | None = None
     focal_mm: _Positive | None = None
     sensor_width_mm: _Positive | None = None
-    vergence_deg: Annotated[_Number, Field(gt=-180, lt=180)] = Decimal(0)
-    cx_px: _Number | None = None
-    cy_px: _Number | None = None
+    vergence_deg: Annotated[Number, Field(gt=-180, lt=180)] = Decimal(0)
+    cx_px: Number | None = None
+    cy_px: Number | None = None
     sensor: _Sensor | None = None
     perturbation: _Perturbation | None = None
 
@@ -215,14 +187,14 @@ class _Short(_Table):
 _LENS_KEYS = ("focal_px", "hfov_deg", "focal_mm", "sensor_width_mm")
 
 
-class _Camera(_Table):
+class _Camera(Table):
     width_px: _Size
     height_px: _Size
     fx_px: _Positive
     fy_px: _Positive
-    cx_px: _Number
-    cy_px: _Number
-    distortion: _Distortion = _Distortion()
+    cx_px: Number
+    cy_px: Number
+    distortion: AnyLens | None = None
 
     def intrinsics(self) -> Intrinsics:
         return Intrinsics(
@@ -232,11 +204,11 @@ class _Camera(_Table):
             float(self.fy_px),
             float(self.cx_px),
             float(self.cy_px),
-            self.distortion.lens(),
+            None if self.distortion is None else self.distortion.lens(),
         )
 
 
-class _Pose(_Table):
+class _Pose(Table):
     R: Annotated[list[_Vector], Field(min_length=3, max_length=3)] | None = None
     rotvec_deg: _Vector | None = None
     t_mm: _Vector
@@ -250,7 +222,7 @@ class _Pose(_Table):
         raise InvalidRig("right_from_left: must hold one of R (3 x 3) and rotvec_deg (3 numbers)")
 
 
-class _Full(_Table):
+class _Full(Table):
     left: _Camera
     right: _Camera
     right_from_left: _Pose
@@ -270,26 +242,30 @@ def _metres(value_mm: Decimal) -> float:
     return float(value_mm.scaleb(-3))
 
 
-def _explained(error: ValidationError, form: type[_Table]) -> str:
+def _explained(error: ValidationError, form: type[Table]) -> str:
     """One line for the error to mend first: a misspelt key before the one that is missing for it."""
     found = sorted(error.errors(), key=lambda item: item["type"] != "extra_forbidden")[0]
     path = found["loc"]
+    if "distortion" in path:
+        model = path.index("distortion") + 1
+        form, path = TABLES[str(path[model])], (*path[:model], *path[model + 1 :])
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)[1:]
     if found["type"] == "extra_forbidden":
-        known = _known_keys(form, [str(part) for part in path[:-1]])
+        inner = [] if form in TABLES.values() else [str(part) for part in path[:-1]]
+        known = _known_keys(form, inner)
         return f"unknown key {clipped(key)}: must be one of {', '.join(known)}"
     if found["type"] == "missing":
         return f"{key} is missing: add it"
     return f"{key} {_clipped(found['input'])}: {_bound(found)}"
 
 
-def _known_keys(form: type[_Table], path: Sequence[str]) -> list[str]:
+def _known_keys(form: type[Table], path: Sequence[str]) -> list[str]:
     for part in path:
         annotation = form.model_fields[part].annotation
         for inner in (annotation, *get_args(annotation)):
-            if isinstance(inner, type) and issubclass(inner, _Table):
+            if isinstance(inner, type) and issubclass(inner, Table):
                 form = inner
-    return list(form.model_fields)
+    return sorted(form.model_fields, key=lambda name: name == "model")
 
 
 def _bound(found: Mapping[str, Any]) -> str:

@@ -12,7 +12,8 @@ Short form, two equal cameras::
 
 Full form, any two cameras: ``[left]`` and ``[right]`` hold ``width_px, height_px, fx_px, fy_px,
 cx_px, cy_px`` and optionally ``[left.distortion]`` ``k1, k2, p1, p2, k3``; ``[right_from_left]`` holds
-``R`` (3 x 3) or ``rotvec_deg``, and ``t_mm``.
+``R`` (3 x 3) or ``rotvec_deg``, and ``t_mm``. A lens of another model than Brown-Conrady's is named by
+``model``, one of `rigsim.rig.lens.registry`, beside the coefficients of that model.
 
 Either form may hold a sensor, for both cameras; what is left out is ideal, or the named sensor's::
 
@@ -47,8 +48,8 @@ from typing import TYPE_CHECKING, TypeVar
 from rigsim import foreign
 from rigsim.errors import InvalidRig
 from rigsim.interop.formats.format import Format
+from rigsim.interop.formats.lens_tables import LARGEST
 from rigsim.interop.formats.rig_schema import (
-    LARGEST,
     perturbation_from_table,
     rig_from_table,
     sensor_from_table,
@@ -56,7 +57,8 @@ from rigsim.interop.formats.rig_schema import (
 from rigsim.rig import given
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
-from rigsim.rig.lens.distortion import BrownConrady
+from rigsim.rig.lens import registry as lenses
+from rigsim.rig.lens.lens import Lens
 from rigsim.rig.perturbation import Perturbation
 from rigsim.rig.stereo import StereoRig
 
@@ -226,9 +228,10 @@ def _camera_lines(name: str, camera: Intrinsics) -> list[str]:
     return lines
 
 
-def _distortion_lines(owner: str, lens: BrownConrady) -> list[str]:
-    keys = ("k1", "k2", "p1", "p2", "k3")
-    return ["", f"[{owner}.distortion]", *(f"{key} = {getattr(lens, key)!r}" for key in keys)]
+def _distortion_lines(owner: str, lens: Lens) -> list[str]:
+    model = [] if lens.model == lenses.DEFAULT else [f'model = "{lens.model}"']
+    terms = (f"{name} = {getattr(lens, name)!r}" for name in lens.names())
+    return ["", f"[{owner}.distortion]", *model, *terms]
 
 
 def _sensor_text(sensor: Sensor) -> str:

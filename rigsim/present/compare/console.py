@@ -9,19 +9,26 @@ from rich.console import Console
 
 from rigsim.present.compare.words import headline, sentences
 from rigsim.present.kit.console import make_console, paragraph, print_table, say
-from rigsim.present.kit.format import MISSING, count, number, percent, plain, ratio
+from rigsim.present.kit.format import count, number, percent, plain, ratio, with_error
+from rigsim.study.compare import columns as col
 from rigsim.study.compare.run import ComparisonResult
 
+
+def _head(name: str) -> str:
+    column = col.COLUMNS[name]
+    return f"{column.heading}\n{column.shown_unit}" if column.shown_unit else column.heading
+
+
 HEADS = (
-    "geometry",
-    "triangulator",
-    "pixel error\nover bound",
-    "over\nfirst",
+    _head(col.GEOMETRY),
+    _head(col.TRIANGULATOR),
+    _head(col.PIXEL_ERROR_OVER_BOUND),
+    _head(col.PIXEL_ERROR_OVER_FIRST),
     "bias beyond\nexpected, σ",
-    "lost\n%",
-    "expected\n%",
+    _head(col.FAILED_SHARE),
+    _head(col.EXPECTED_FAILED_SHARE),
     "million\npoints/s",
-    "over\nfirst",
+    _head(col.SPEED_OVER_FIRST),
 )
 """Columns of `table_rows`."""
 NUMERIC = (False, False, *[True] * 7)
@@ -67,33 +74,22 @@ def shown_noise_px(result: ComparisonResult) -> float:
 
 def table_rows(result: ComparisonResult, noise_px: float) -> list[tuple[str, ...]]:
     """The rows of one noise level as text; their columns are `HEADS`."""
-    rows = result.rows[result.rows["noise_px"] == noise_px]
+    rows = result.rows[result.rows[col.NOISE] == noise_px]
     return [_row(record) for record in rows.to_dict("records")]
 
 
 def _row(row: dict[Any, Any]) -> tuple[str, ...]:
     return (
-        str(row["geometry"]),
-        str(row["triangulator"]),
-        _with_error(row["pixel_error_over_bound"], row["pixel_error_over_bound_se"]),
-        _factor(row["pixel_error_over_first"]),
-        _with_error(
-            row["depth_bias_over_std"] - row["expected_depth_bias_over_std"], row["depth_bias_over_std_se"]
-        ),
-        percent(row["failed_share"]),
-        percent(row["expected_failed_share"]) if row["expected_failed_share"] > 5e-8 else "0",
-        _speed(row["points_per_second"] / 1e6),
-        _speed(row["speed_over_first"]),
+        str(row[col.GEOMETRY]),
+        str(row[col.TRIANGULATOR]),
+        with_error(row[col.PIXEL_ERROR_OVER_BOUND], row[col.PIXEL_ERROR_OVER_BOUND_SE]),
+        _factor(row[col.PIXEL_ERROR_OVER_FIRST]),
+        with_error(row[col.DEPTH_BIAS] - row[col.EXPECTED_DEPTH_BIAS], row[col.DEPTH_BIAS_SE]),
+        percent(row[col.FAILED_SHARE]),
+        percent(row[col.EXPECTED_FAILED_SHARE]) if row[col.EXPECTED_FAILED_SHARE] > 5e-8 else "0",
+        _speed(row[col.POINTS_PER_SECOND] / 1e6),
+        _speed(row[col.SPEED_OVER_FIRST]),
     )
-
-
-def _with_error(value: float, se: float) -> str:
-    """A number and its standard error, to the digits of that: ``1.003 ± 0.003``."""
-    if not (value == value and se == se):
-        return MISSING
-    decimals = 3 if se < 0.0995 else 1 if se < 9.95 else 0
-    sign = "−" if value < -(0.5 * 10**-decimals) else ""
-    return f"{sign}{abs(value):.{decimals}f} ± {se:.{decimals}f}"
 
 
 def _factor(value: float) -> str:

@@ -18,6 +18,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullLocat
 from rigsim.present.kit import style
 from rigsim.present.kit.format import plain
 from rigsim.rig.arrays import Array
+from rigsim.study.compare import columns as col
 from rigsim.study.compare.run import ComparisonResult
 
 WIDTH_IN = 180 / 25.4
@@ -74,7 +75,7 @@ def comparison_figure(result: ComparisonResult) -> Figure:
     """Pixel error, depth bias and lost points against noise, and speed; a column a geometry."""
     rows = result.rows
     names = [geometry.name for geometry in result.plan.chosen()]
-    names = [name for name in names if (rows["geometry"] == name).any()]
+    names = [name for name in names if (rows[col.GEOMETRY] == name).any()]
     looks = {label: _look(place) for place, label in enumerate(result.triangulators)}
     blocks = [names[i : i + _MOST_COLUMNS] for i in range(0, len(names), _MOST_COLUMNS)]
     columns = max((len(block) for block in blocks), default=1)
@@ -154,7 +155,7 @@ def _draw_geometry(
     """One column; `where` is its left side, top and width, in."""
     left, top, width = where
     rows = result.rows
-    part = rows[rows["geometry"] == name]
+    part = rows[rows[col.GEOMETRY] == name]
     bottom = top - _TITLE
     panels: list[Axes] = []
     for height in (_ERROR, _BIAS, _FAILED):
@@ -182,48 +183,48 @@ def _draw_geometry(
 
 
 def _draw_errors(axes: Axes, rows: pd.DataFrame, part: pd.DataFrame, looks: dict[str, _Style]) -> None:
-    noise, half = _of_noise(part, "bound_se")
+    noise, half = _of_noise(part, col.BOUND_SE)
     reach = _wide(noise)
     half = 100 * _TWO_SIDED * np.interp(np.log(reach), np.log(noise), half)
     axes.fill_between(reach, -half, half, color=style.LIGHT_GREY, linewidth=0, zorder=1)
     axes.axhline(0, color=style.GREY, linewidth=0.9, zorder=1.5)
     for label, mine, x in _each(part, looks):
-        y = 100 * (mine["pixel_error_over_bound"].to_numpy() - 1)
-        _curve(axes, x, y, 100 * mine["pixel_error_over_bound_se"].to_numpy(), looks[label])
-    _signed_axis(axes, 100 * (rows["pixel_error_over_bound"].to_numpy() - 1), linear=2.0)
+        y = 100 * (mine[col.PIXEL_ERROR_OVER_BOUND].to_numpy() - 1)
+        _curve(axes, x, y, 100 * mine[col.PIXEL_ERROR_OVER_BOUND_SE].to_numpy(), looks[label])
+    _signed_axis(axes, 100 * (rows[col.PIXEL_ERROR_OVER_BOUND].to_numpy() - 1), linear=2.0)
 
 
 def _draw_biases(axes: Axes, rows: pd.DataFrame, part: pd.DataFrame, looks: dict[str, _Style]) -> None:
-    noise, must = _of_noise(part, "expected_depth_bias_over_std")
+    noise, must = _of_noise(part, col.EXPECTED_DEPTH_BIAS)
     axes.plot(noise, must, color=style.GREY, linewidth=0.9, zorder=1.5)
     for label, mine, x in _each(part, looks):
-        se = mine["depth_bias_over_std_se"].to_numpy()
-        _curve(axes, x, mine["depth_bias_over_std"].to_numpy(), se, looks[label])
-    _signed_axis(axes, rows["depth_bias_over_std"].to_numpy(), linear=0.1)
+        se = mine[col.DEPTH_BIAS_SE].to_numpy()
+        _curve(axes, x, mine[col.DEPTH_BIAS].to_numpy(), se, looks[label])
+    _signed_axis(axes, rows[col.DEPTH_BIAS].to_numpy(), linear=0.1)
 
 
 def _draw_failures(axes: Axes, rows: pd.DataFrame, part: pd.DataFrame, looks: dict[str, _Style]) -> None:
-    noise, must = _of_noise(part, "expected_failed_share")
+    noise, must = _of_noise(part, col.EXPECTED_FAILED_SHARE)
     axes.plot(noise, 100 * must, color=style.GREY, linewidth=0.9, zorder=1.5)
     for label, mine, x in _each(part, looks):
-        share = mine["failed_share"].to_numpy()
-        se = np.sqrt(share * (1 - share) / mine["n"].to_numpy())
+        share = mine[col.FAILED_SHARE].to_numpy()
+        se = np.sqrt(share * (1 - share) / mine[col.N].to_numpy())
         _curve(axes, x, 100 * share, 100 * se, looks[label])
-    most = 100 * float(np.nanmax(rows[["failed_share", "expected_failed_share"]].to_numpy()))
+    most = 100 * float(np.nanmax(rows[[col.FAILED_SHARE, col.EXPECTED_FAILED_SHARE]].to_numpy()))
     style.plain_axis(axes, "y", -0.06 * max(most, 1), 1.1 * max(most, 1), "linear", 4)
 
 
 def _draw_speeds(axes: Axes, rows: pd.DataFrame, part: pd.DataFrame, looks: dict[str, _Style]) -> None:
     """A bar a method with its mark on top, on a scale that all geometries share."""
-    speeds = rows["points_per_second"].to_numpy() / 1e6
+    speeds = rows[col.POINTS_PER_SECOND].to_numpy() / 1e6
     speeds = speeds[np.isfinite(speeds) & (speeds > 0)]
     low, high = (float(speeds.min()), float(speeds.max())) if len(speeds) else (0.1, 1.0)
     low, high = 10 ** np.floor(np.log10(low) - 0.15), high * 3
     axes.set_yscale("log")
     for place, (label, look) in enumerate(looks.items()):
-        mine = part[part["triangulator"] == label]
-        if len(mine) and mine["points_per_second"].iloc[0] > 0:
-            value = mine["points_per_second"].iloc[0] / 1e6
+        mine = part[part[col.TRIANGULATOR] == label]
+        if len(mine) and mine[col.POINTS_PER_SECOND].iloc[0] > 0:
+            value = mine[col.POINTS_PER_SECOND].iloc[0] / 1e6
             axes.bar(place, value - low, 0.5, bottom=low, color=look.color, alpha=0.45, linewidth=0)
             axes.plot([place], [value], **{**look.marks(), "linestyle": "none"})
     axes.set_xlim(-0.7, len(looks) - 0.3)
@@ -237,7 +238,7 @@ def _draw_speeds(axes: Axes, rows: pd.DataFrame, part: pd.DataFrame, looks: dict
 
 def _of_noise(part: pd.DataFrame, column: str) -> tuple[Array, Array]:
     """Noise levels and a column that says the same for all methods, or nearly so."""
-    found = part.groupby("noise_px")[column].first()
+    found = part.groupby(col.NOISE)[column].first()
     return found.index.to_numpy(dtype=np.float64), found.to_numpy(dtype=np.float64)
 
 
@@ -247,10 +248,10 @@ def _each(part: pd.DataFrame, looks: dict[str, _Style]) -> list[tuple[str, pd.Da
     middle = (len(looks) - 1) / 2
     step = min(_DODGE, _MOST_DODGE ** (1 / max(middle, 1)))
     for place, label in enumerate(looks):
-        mine = part[part["triangulator"] == label].sort_values("noise_px")
+        mine = part[part[col.TRIANGULATOR] == label].sort_values(col.NOISE)
         aside = step ** (place - middle)
         if len(mine):
-            found.append((label, mine, mine["noise_px"].to_numpy(dtype=np.float64) * aside))
+            found.append((label, mine, mine[col.NOISE].to_numpy(dtype=np.float64) * aside))
     return found
 
 

@@ -11,6 +11,8 @@ from rigsim.present.compare.words import headline, listed, sentences
 from rigsim.present.kit import style
 from rigsim.present.kit.format import count, plain
 from rigsim.present.kit.page import fill, flat
+from rigsim.present.verify.words import about
+from rigsim.study.compare import columns as col
 from rigsim.study.compare.judge import off_bound
 from rigsim.study.compare.run import SPEED_RUNS, ComparisonResult
 
@@ -33,7 +35,7 @@ def comparison_html(result: ComparisonResult, figure: Figure) -> str:
     off = off_bound(result)
     levels = []
     for noise_px in sorted(result.plan.noises_px):
-        flags = off[result.rows["noise_px"] == noise_px]
+        flags = off[result.rows[col.NOISE] == noise_px]
         levels.append((plain(noise_px), list(zip(table_rows(result, noise_px), flags, strict=True))))
     return fill(
         "compare.html",
@@ -47,7 +49,7 @@ def comparison_html(result: ComparisonResult, figure: Figure) -> str:
         numeric=NUMERIC,
         levels=levels,
         shown=plain(shown_noise_px(result)),
-        geometries=[(geometry.name, geometry.about) for geometry in result.plan.chosen()],
+        geometries=[(geometry.name, about(geometry)) for geometry in result.plan.chosen()],
         n_points=count(result.plan.n_points),
         seed=result.plan.seed,
         runs=SPEED_RUNS,

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from rigsim.present.kit.format import with_error
+from rigsim.study.compare import columns as col
 from rigsim.study.compare.judge import off_bound, quantile
 from rigsim.study.compare.run import ComparisonResult
 
@@ -19,12 +21,12 @@ _WHOLE = 1e6  # points a second
 def headline(result: ComparisonResult) -> str:
     """The comparison in one sentence."""
     rows, off = result.rows, off_bound(result)
-    count = rows["triangulator"].value_counts()
+    count = rows[col.TRIANGULATOR].value_counts()
     labels = [label for label in result.triangulators if label in count.index]
-    good = [label for label in labels if not off[rows["triangulator"] == label].any()]
+    good = [label for label in labels if not off[rows[col.TRIANGULATOR] == label].any()]
     everywhere = [label for label in good if count[label] == count.max()]
     partly = [label for label in good if label not in everywhere]
-    where = "everywhere" if rows["geometry"].nunique() > 1 else f"in {rows['geometry'].iloc[0]}"
+    where = "everywhere" if rows[col.GEOMETRY].nunique() > 1 else f"in {rows[col.GEOMETRY].iloc[0]}"
     said = []
     if everywhere:
         said.append(f"{listed(everywhere)} {_verb(everywhere, 'stay')} within noise of the bound {where}")
@@ -36,12 +38,12 @@ def headline(result: ComparisonResult) -> str:
         )
     lead = ", ".join(said) or f"No triangulator stays within noise of the bound {where}"
     bad = [label for label in labels if label not in good]
-    worst = _worst(rows[off & rows["pixel_error_over_bound"].notna()])
+    worst = _worst(rows[off & rows[col.PIXEL_ERROR_OVER_BOUND].notna()])
     if not bad:
         return f"{lead}."
     if worst is None:
         return f"{lead}; {listed(bad)} {_verb(bad, 'return')} no point somewhere."
-    return f"{lead}; {worst['triangulator']} is farthest off, {_times(worst)} the bound in {_place(worst)}."
+    return f"{lead}; {worst[col.TRIANGULATOR]} is farthest off, {_times(worst)} the bound in {_place(worst)}."
 
 
 def sentences(result: ComparisonResult) -> tuple[str, ...]:
@@ -68,10 +70,10 @@ def _accuracy(result: ComparisonResult) -> list[str]:
     rows, off = result.rows, off_bound(result)
     said = []
     for label in result.triangulators:
-        mine = rows["triangulator"] == label
-        worst = _worst(rows[mine & off & rows["pixel_error_over_bound"].notna()])
+        mine = rows[col.TRIANGULATOR] == label
+        worst = _worst(rows[mine & off & rows[col.PIXEL_ERROR_OVER_BOUND].notna()])
         if worst is not None:
-            where = listed(list(dict.fromkeys(rows[mine & off]["geometry"])))
+            where = listed(list(dict.fromkeys(rows[mine & off][col.GEOMETRY])))
             said.append(f"{label} is off the bound in {where}, at most {_times(worst)} in {_place(worst)}.")
     return said
 
@@ -79,14 +81,14 @@ def _accuracy(result: ComparisonResult) -> list[str]:
 def _against_first(result: ComparisonResult) -> list[str]:
     """Triangulators within noise of the bound that are surely worse than the first for the same noise."""
     rows, off, first = result.rows, off_bound(result), result.triangulators[0]
-    more = rows["pixel_error_over_first"] - 1
-    sure = (more > quantile(result) * rows["pixel_error_over_first_se"]) & (more >= _WORTH_SAYING)
+    more = rows[col.PIXEL_ERROR_OVER_FIRST] - 1
+    sure = (more > quantile(result) * rows[col.PIXEL_ERROR_OVER_FIRST_SE]) & (more >= _WORTH_SAYING)
     said = []
     for label in result.triangulators[1:]:
-        mine = more[sure & ~off & (rows["triangulator"] == label)]
+        mine = more[sure & ~off & (rows[col.TRIANGULATOR] == label)]
         if len(mine):
             row = rows.loc[mine.idxmax()]
-            pair = _pair(row["pixel_error_over_first"], row["pixel_error_over_first_se"])
+            pair = with_error(row[col.PIXEL_ERROR_OVER_FIRST], row[col.PIXEL_ERROR_OVER_FIRST_SE])
             said.append(f"{label} {pair} times in {_place(row)}")
     if not said:
         return []
@@ -99,22 +101,22 @@ def _against_first(result: ComparisonResult) -> list[str]:
 def _biases(result: ComparisonResult) -> list[str]:
     """The largest bias of each triangulator that is surely one, beyond the bias that lost points cause."""
     rows = result.rows
-    beyond = rows["depth_bias_over_std"] - rows["expected_depth_bias_over_std"]
-    sure = beyond.abs() > quantile(result) * rows["depth_bias_over_std_se"]
+    beyond = rows[col.DEPTH_BIAS] - rows[col.EXPECTED_DEPTH_BIAS]
+    sure = beyond.abs() > quantile(result) * rows[col.DEPTH_BIAS_SE]
     said, unbiased = [], []
     for label in result.triangulators:
-        mine = beyond[sure & (rows["triangulator"] == label)]
+        mine = beyond[sure & (rows[col.TRIANGULATOR] == label)]
         if len(mine):
             row = rows.loc[mine.abs().idxmax()]
-            value, se = float(mine[row.name]), row["depth_bias_over_std_se"]
-            lost = row["expected_failed_share"] > _LOST
+            value, se = float(mine[row.name]), row[col.DEPTH_BIAS_SE]
+            lost = row[col.EXPECTED_FAILED_SHARE] > _LOST
             beside = ", beyond the bias that lost points cause" if lost else ""
             side = "far" if value > 0 else "near"
             said.append(
-                f"{label}'s points are too {side} by up to {_pair(abs(value), se)} σ of depth,"
+                f"{label}'s points are too {side} by up to {with_error(abs(value), se)} σ of depth,"
                 f" in {_place(row)}{beside}."
             )
-        elif beyond[rows["triangulator"] == label].notna().any():
+        elif beyond[rows[col.TRIANGULATOR] == label].notna().any():
             unbiased.append(label)
     if unbiased:
         said.append(f"{listed(unbiased)} {_verb(unbiased, 'show')} no bias beyond noise.")
@@ -124,27 +126,27 @@ def _biases(result: ComparisonResult) -> list[str]:
 def _failures(result: ComparisonResult) -> list[str]:
     """Triangulators that lose more or fewer points than the noise makes impossible."""
     rows = result.rows
-    more = rows["failed_share"] - rows["expected_failed_share"]
+    more = rows[col.FAILED_SHARE] - rows[col.EXPECTED_FAILED_SHARE]
     # one point is nothing to speak of
-    sure = more.abs() > quantile(result) * rows["expected_failed_share_se"] + 1 / rows["n"]
+    sure = more.abs() > quantile(result) * rows[col.EXPECTED_FAILED_SHARE_SE] + 1 / rows[col.N]
     said = []
     for label in result.triangulators:
-        mine = more[sure & (rows["triangulator"] == label)]
+        mine = more[sure & (rows[col.TRIANGULATOR] == label)]
         if len(mine):
             row = rows.loc[mine.abs().idxmax()]
             said.append(
-                f"{label} loses {100 * row['failed_share']:.3g} % of the points in {_place(row)}, where noise"
-                f" alone loses {100 * row['expected_failed_share']:.3g} %."
+                f"{label} loses {100 * row[col.FAILED_SHARE]:.3g} % of the points in {_place(row)}, where"
+                f" noise alone loses {100 * row[col.EXPECTED_FAILED_SHARE]:.3g} %."
             )
     return said or ["Every triangulator loses as many points as noise alone would."]
 
 
 def _speeds(result: ComparisonResult) -> list[str]:
     """The median speed over geometries, fastest first."""
-    known = result.rows[result.rows["points_per_second"].notna()]
+    known = result.rows[result.rows[col.POINTS_PER_SECOND].notna()]
     if not len(known):
         return []
-    median = known.groupby("triangulator", sort=False)["points_per_second"].median()
+    median = known.groupby(col.TRIANGULATOR, sort=False)[col.POINTS_PER_SECOND].median()
     fastest = median.sort_values(ascending=False)
     said = ", ".join(f"{label} {_two(rate / _WHOLE)}" for label, rate in fastest.items())
     return [f"Speed, million points/s, median over geometries: {said}."]
@@ -154,21 +156,15 @@ def _worst(rows: pd.DataFrame) -> pd.Series[Any] | None:
     """The row that is farthest from the bound, up or down; None without rows."""
     if not len(rows):
         return None
-    return rows.loc[np.log(rows["pixel_error_over_bound"].clip(lower=1e-12)).abs().idxmax()]
+    return rows.loc[np.log(rows[col.PIXEL_ERROR_OVER_BOUND].clip(lower=1e-12)).abs().idxmax()]
 
 
 def _place(row: pd.Series[Any]) -> str:
-    return f"{row['geometry']} at {row['noise_px']:g} px"
+    return f"{row[col.GEOMETRY]} at {row[col.NOISE]:g} px"
 
 
 def _times(row: pd.Series[Any]) -> str:
-    return f"{_pair(row['pixel_error_over_bound'], row['pixel_error_over_bound_se'])} times"
-
-
-def _pair(value: float, se: float) -> str:
-    """A number with its standard error, to the digits of that."""
-    decimals = 4 if se < 0.0005 else 3 if se < 0.005 else 2 if se < 0.05 else 1 if se < 0.95 else 0
-    return f"{value:.{decimals}f} ± {se:.{decimals}f}"
+    return f"{with_error(row[col.PIXEL_ERROR_OVER_BOUND], row[col.PIXEL_ERROR_OVER_BOUND_SE])} times"
 
 
 def _two(value: float) -> str:

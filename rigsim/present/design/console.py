@@ -7,15 +7,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rigsim.present.design.words import outcome
+from rigsim.present.design.tolerance import limit_says, tolerance_says
+from rigsim.present.design.words import noise, outcome
 from rigsim.present.kit.console import make_console, print_table
 from rigsim.present.kit.format import MISSING, number
 from rigsim.study.design import words as words
 from rigsim.study.design.proof import Proof, held_to, recommended, verdict
 from rigsim.study.design.solve import Candidate, Design, Specification
 from rigsim.study.design.tolerance import DesignTolerance
-from rigsim.study.tolerance.predicted import NOISE
-from rigsim.study.tolerance.sensitivities import QUANTITIES
 from rigsim.theory.inverse import Requirement
 
 if TYPE_CHECKING:
@@ -55,7 +54,7 @@ def sentences(design: Design, proofs: Sequence[Proof]) -> tuple[str, ...]:
             "The measured points are corners of calibration boards, which are located most exactly; errors "
             "on ordinary surfaces are closer to the simulated ones."
         )
-    said.append(f"Pixel noise {spec.noise_px:.3g} px per coordinate: {spec.noise_says}.")
+    said.append(f"Pixel noise {spec.noise_px:.3g} px per coordinate: {noise(spec)}.")
     n = len(design.feasible)
     said.append(
         f"{n} of {len(design.intervals)} cameras qualify; {design.preference} first, with margin preferred."
@@ -158,14 +157,6 @@ def yields_words(tolerance: DesignTolerance) -> str:
     )
 
 
-def limit_words(tolerance: DesignTolerance) -> str:
-    """What limits the yield, in a sentence."""
-    name, state, count = tolerance.told
-    limit = "pixel noise" if tolerance.limited_by == NOISE else QUANTITIES[tolerance.limited_by]
-    how = "recalibrated" if state == "recalibrated" else "as built"
-    return f"Class {name}, {how}: {words.share(count.share)} % with noise and build, limited most by {limit}."
-
-
 def candidate_row(candidate: Candidate) -> tuple[str, ...]:
     """One rig as the cells of `CANDIDATE_HEADS`."""
     camera = candidate.camera
@@ -215,9 +206,9 @@ def print_design(
         console=console,
     )
     if tolerance is not None:
-        console.print(tolerance.says, soft_wrap=True)
+        console.print(tolerance_says(tolerance), soft_wrap=True)
         console.print(yields_words(tolerance), soft_wrap=True)
-        console.print(limit_words(tolerance), soft_wrap=True)
+        console.print(limit_says(tolerance), soft_wrap=True)
         console.print()
     front = design.pareto[:_MOST]
     more = f", {_MOST} of {len(design.pareto)}" if len(design.pareto) > _MOST else ""

@@ -17,8 +17,10 @@ from rigsim.present.design.console import (
     shown_by_words,
 )
 from rigsim.present.design.figures import pareto_figure, plan_figure, region_figure
+from rigsim.present.design.tolerance import tolerance_says
+from rigsim.present.design.words import noise as noise_from
 from rigsim.present.kit import style
-from rigsim.present.kit.format import count
+from rigsim.present.kit.format import count, with_error
 from rigsim.present.kit.page import data_uri, fill
 from rigsim.present.tolerance.console import quantity_heads, quantity_rows, tolerance_figure
 from rigsim.rig.catalogue.sensors import sensor_preset
@@ -79,7 +81,7 @@ def _tolerance_part(tolerance: DesignTolerance) -> dict[str, Any]:
             f"the image has {words.size(required_m)} in all."
         )
     return {
-        "says": tolerance.says,
+        "says": tolerance_says(tolerance),
         "noise": noise,
         "class_name": tolerance.class_name,
         "about": CLASSES[tolerance.class_name].about,
@@ -101,7 +103,7 @@ def _tolerance_part(tolerance: DesignTolerance) -> dict[str, Any]:
 
 
 def _counted(found: Count) -> str:
-    return f"{words.share(found.share)} ± {100 * found.standard_error:.1f} of {count(found.rigs)}"
+    return f"{with_error(100 * found.share, 100 * found.standard_error)} of {count(found.rigs)}"
 
 
 def data_sheet(design: Design, pick: Candidate) -> list[tuple[str, str]]:
@@ -134,7 +136,7 @@ def data_sheet(design: Design, pick: Candidate) -> list[tuple[str, str]]:
         (
             "Pixel noise",
             f"{spec.noise_px:.3g} px per coordinate, {spec.disparity_std_px:.3g} px of disparity: "
-            f"{spec.noise_says}",
+            f"{noise_from(spec)}",
         ),
     ]
 

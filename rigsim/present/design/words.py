@@ -4,10 +4,30 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rigsim.present.design.tolerance import attempt as attempt
+from rigsim.present.design.tolerance import tolerance_says as tolerance_says
 from rigsim.present.kit import agreement
+from rigsim.present.kit.sayings import Sentences, spoken
 from rigsim.study.design import words as labels
 from rigsim.study.design.checks import RequirementCheck
 from rigsim.study.design.proof import Objection, Proof
+from rigsim.study.design.solve import Specification
+
+NOISE: Sentences = {
+    "given": "given",
+    "assumed": "assumed, as {why}",
+    "assumed: none-given": "assumed, as none was given",
+    "few-matches": "{sensor} finds fewer than {fewest} matches in the range",
+    "measured": "measured in `{scene}` (sensor: {sensor}) on {matches} {method}, {when}",
+    "round": "round {number}",
+    "after-a-miss": "by {camera}, which missed with less",
+}
+"""Where the noise of a specification comes from."""
+
+
+def noise(specification: Specification) -> str:
+    """Where its noise comes from."""
+    return spoken(specification.noise_from, NOISE)
 
 
 def outcome(proof: Proof) -> str:

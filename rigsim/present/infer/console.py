@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rigsim.present.infer.words import sentence
 from rigsim.present.kit.console import make_console, paragraph, print_table
-from rigsim.present.kit.format import length, number
+from rigsim.present.kit.format import length, lengths_within, number, with_interval
 from rigsim.study.infer.bias import BiasPart
 from rigsim.study.infer.run import Inference, Transfer
 
@@ -34,9 +34,9 @@ def _print_inferred(inference: Inference) -> None:
         "fit": "95 % interval from the scatter between distances",
         "none": "no interval: too few distances, and no counts",
     }[inference.interval_from]
-    between = "" if math.isnan(low) else f"{number(low)} to {number(high)}"
+    shown, between = _interval(sigma, (low, high))
     rows = [
-        ("disparity std", number(sigma), "px", between, why),
+        ("disparity std", shown, "px", between, why),
         ("noise", number(sigma / math.sqrt(2)), "px", "", "per pixel coordinate, as --noise takes it"),
     ]
     if inference.fit is not None:
@@ -48,20 +48,12 @@ def _print_inferred(inference: Inference) -> None:
 
 
 def _bias_rows(bias: BiasPart) -> list[tuple[str, str, str, str, str]]:
-    rows = [
-        (
-            "disparity offset",
-            number(bias.disparity_offset_px),
-            "px",
-            _interval(bias.offset_interval_px),
-            "bias part: yaw, principal point",
-        )
-    ]
+    shown, between = _interval(bias.disparity_offset_px, bias.offset_interval_px)
+    rows = [("disparity offset", shown, "px", between, "bias part: yaw, principal point")]
     if not math.isnan(bias.scale):
-        between = _interval(tuple(100 * end for end in bias.scale_interval))
-        rows.append(
-            ("scale error", number(100 * bias.scale), "%", between, "bias part: baseline, focal length")
-        )
+        low, high = bias.scale_interval
+        shown, between = _interval(100 * bias.scale, (100 * low, 100 * high))
+        rows.append(("scale error", shown, "%", between, "bias part: baseline, focal length"))
     rows.append(("bias left over", number(bias.left_rms_m * 1e3), "mm", "", "RMS that neither explains"))
     rows.append(("bias share", number(100 * bias.share), "%", "", "of the mean squared error"))
     return rows
@@ -89,13 +81,14 @@ def _print_carried(carried: Transfer) -> None:
         f"Same noise, other rig: baseline {length(carried.rig.baseline_m)}, focal {number(lens.fx, 4)} px",
         ("distance", "depth std", "from", "to", "note"),
         [
-            (*map(length, lengths), "" if trusted else "disparity under 4 sigma")
-            for *lengths, trusted in numbers
+            (length(depth), *lengths_within(std, low, high), "" if trusted else "disparity under 4 sigma")
+            for depth, std, low, high, trusted in numbers
         ],
         numeric=(True, True, True, True, False),
     )
 
 
-def _interval(ends: tuple[float, ...]) -> str:
-    low, high = ends
-    return "" if math.isnan(low) else f"{number(low, 2)} to {number(high, 2)}"
+def _interval(value: float, ends: tuple[float, float]) -> tuple[str, str]:
+    """A value, and the interval around it; no more digits than that leaves."""
+    shown, low, high = with_interval(value, *ends)
+    return shown, "" if math.isnan(ends[0]) else f"{low} to {high}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rigsim.present.kit.format import with_interval
 from rigsim.study.infer.run import Inference
 
 
@@ -13,10 +14,8 @@ def sentence(inference: Inference) -> str:
             "The law is untested: at least three different distances are needed to tell stereo noise from "
             "other causes."
         )
-    grows = (
-        f"the error grows as distance to the power {fit.exponent:.2f}"
-        f" ({fit.exponent_low:.2f} to {fit.exponent_high:.2f})"
-    )
+    exponent, low, high = with_interval(fit.exponent, fit.exponent_low, fit.exponent_high)
+    grows = f"the error grows as distance to the power {exponent} ({low} to {high})"
     if fit.verdict == "consistent":
         if fit.best == "quadratic":
             return f"Stereo noise can explain it: {grows}, and 2 is in that range."

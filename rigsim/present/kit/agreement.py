@@ -7,9 +7,10 @@ from collections.abc import Callable
 
 import pandas as pd
 
+from rigsim.present.kit.format import with_interval
+from rigsim.present.kit.mistakes.faults import fault as fault
 from rigsim.study.agreement.agreement import Agreement, AgreementPlace, Reason
 from rigsim.study.agreement.claims import BAND
-from rigsim.study.agreement.fault import Fault
 from rigsim.theory.uncertainty import LEAST_DEPTH_SIGMAS
 
 _ROWS = ("upper", "middle", "lower")
@@ -30,11 +31,6 @@ def reason(agreement: Agreement) -> str:
     if agreement.place is not None:
         said += f" {place(agreement.place)}"
     return said + (f"; {fault(agreement.fault)}" if agreement.fault is not None else "")
-
-
-def fault(found: Fault) -> str:
-    """What is off, without a full stop."""
-    return found.says
 
 
 def spelled(table: pd.DataFrame) -> pd.DataFrame:
@@ -84,12 +80,20 @@ def _astray(agreement: Agreement) -> str:
 
 
 def _claim(agreement: Agreement) -> str:
-    return f"measured errors are {_number(agreement.ratio):.2g} times their own estimate"
+    return _times(f"{_number(agreement.ratio):.2g}")
+
+
+def _times(ratio: str) -> str:
+    return f"measured errors are {ratio} times their own estimate"
 
 
 def _unclear(agreement: Agreement) -> str:
     low, high = agreement.interval or (math.nan, math.nan)
-    return f"{_claim(agreement)} ({low:.2g} to {high:.2g}), not clearly within {BAND[0]:.2g} to {BAND[1]:.2g}"
+    says, between = _claim(agreement), f"{low:.2g} to {high:.2g}"
+    if math.isfinite(high - low):
+        ratio, *ends = with_interval(_number(agreement.ratio), low, high)
+        says, between = _times(ratio), " to ".join(ends)
+    return f"{says} ({between}), not clearly within {BAND[0]:.2g} to {BAND[1]:.2g}"
 
 
 _SAID: dict[Reason, Callable[[Agreement], str]] = {
@@ -102,6 +106,7 @@ _SAID: dict[Reason, Callable[[Agreement], str]] = {
     "outliers": lambda one: f"{_percent(one.ratio)} of the measured points are wrong matches",
     "worse-than-claimed": _claim,
     "no-points": lambda one: one.cause,
+    "triangulator-failed": lambda one: one.cause,
     "nothing-shared": lambda _: "left and right see nothing in common",
     "too-far": lambda _: f"every depth is below {LEAST_DEPTH_SIGMAS:g} of its standard deviations",
     "exact": lambda _: "without noise there is no error to compare; every point is found exactly",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from rigsim.present.kit.format import to_error, with_error
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.measure.result import Finding, RowFit
 from rigsim.study.measure.rows import down, shift_words
@@ -46,9 +47,10 @@ def _other_rows(finding: Finding, rig: StereoRig) -> str:
 
 def _off_lines(finding: Finding, rig: StereoRig) -> str:
     rows = _rows(finding)
+    sign = "+" if rows.shift_px > 0 else ""
     return (
         f"The pair is not {_claimed(rig)}: matches lie {finding.numbers['epipolar_rms_px']:.2f} px (RMS) off "
-        f"their epipolar lines, and {rows.shift_px:+.3f} +- {rows.shift_se_px:.3f} px in the mean. "
+        f"their epipolar lines, and {sign}{with_error(rows.shift_px, rows.shift_se_px)} px in the mean. "
         f"{_fault(rows, rig)} {_TRUST}"
     )
 
@@ -94,14 +96,17 @@ def _uncertain_rows(finding: Finding, _: StereoRig) -> str:
 def _rows_fit(finding: Finding, _: StereoRig) -> str:
     rows = _rows(finding)
     return (
-        f"The rows fit: the right picture is {abs(rows.shift_px):.3f} +- {rows.shift_se_px:.3f} px too "
+        f"The rows fit: the right picture is {with_error(abs(rows.shift_px), rows.shift_se_px)} px too "
         f"{down(rows.shift_px)}, which is not significant."
     )
 
 
 def _squares(finding: Finding) -> str:
     found, true = (finding.numbers[name] for name in ("found_mm", "true_mm"))
-    return f"Squares measure {found:.4g} mm where {true:.4g} are true"
+    error = found * finding.numbers.get("off_se_pct", 0.0) / 100
+    return (
+        f"Squares measure {to_error(found, error) if error else f'{found:.4g}'} mm where {true:.4g} are true"
+    )
 
 
 def _squares_off(finding: Finding, _: StereoRig) -> str:

@@ -132,10 +132,10 @@ def sensor_entries(sensor: Sensor, name: str) -> list[Entry]:
     lens = sensor.distortion
     if lens is not None:
         said = ", ".join(
-            f"{name} {plain(getattr(lens, name))}" for name in lens.__slots__ if getattr(lens, name)
+            f"{name} {plain(getattr(lens, name))}" for name in lens.names() if getattr(lens, name)
         )
         entries.append(
-            ("Lens distortion", said or "0", "", "Brown-Conrady, taken out again before measuring")
+            ("Lens distortion", said or "0", "", f"{lens.title}, taken out again before measuring")
         )
     entries += _electrons(sensor)
     if sensor.grey_noise:

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from rigsim.present.kit.agreement import text
-from rigsim.present.kit.format import count, number
+from rigsim.present.kit.format import count, number, with_interval
 from rigsim.present.sweep.column_words import COLUMNS, ShownColumn
 from rigsim.present.sweep.measured_words import was_measured
 from rigsim.present.sweep.plots.axes import swept_axes
@@ -158,10 +158,7 @@ def _groups(columns: Sequence[_Shown]) -> tuple[tuple[str, int], ...]:
 def _table(columns: Sequence[_Shown], table: pd.DataFrame, best: list[bool], note: str = "") -> PageTable:
     rows = tuple(
         TableRow(
-            tuple(
-                _interval(record) if column.name == _INTERVAL.name else column.show(record[column.name])
-                for column in columns
-            ),
+            tuple(_cell(column, record, within=_INTERVAL in columns) for column in columns),
             record[col.AGREEMENT].kind == "flagged",
             is_best,
         )
@@ -171,9 +168,17 @@ def _table(columns: Sequence[_Shown], table: pd.DataFrame, best: list[bool], not
     return PageTable(headings, tuple(column.numeric for column in columns), rows, note, _groups(columns))
 
 
-def _interval(record: dict[Any, Any]) -> str:
-    low, high = record[col.DEPTH_RMSE_CI_LOW], record[col.DEPTH_RMSE_CI_HIGH]
-    return f"{number(low)} – {number(high)}" if np.isfinite(low) and np.isfinite(high) else number(np.nan)
+def _cell(column: _Shown, record: dict[Any, Any], within: bool) -> str:
+    """A cell; the error beside its interval has no more digits than that leaves."""
+    value, low, high = (
+        record[name] for name in (col.DEPTH_RMSE, col.DEPTH_RMSE_CI_LOW, col.DEPTH_RMSE_CI_HIGH)
+    )
+    known = np.isfinite(low) and np.isfinite(high)
+    if column.name == _INTERVAL.name:
+        return " – ".join(with_interval(value, low, high)[1:]) if known else number(np.nan)
+    if column.name == col.DEPTH_RMSE and within and known:
+        return with_interval(value, low, high)[0]
+    return column.show(record[column.name])
 
 
 _AGREEMENT = replace(_of(COLUMNS[col.AGREEMENT]), show=text)

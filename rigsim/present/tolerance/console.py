@@ -16,6 +16,7 @@ from rigsim.present.tolerance.words import (
     recalibration_sentence,
     yield_sentence,
 )
+from rigsim.study.tolerance import columns as col
 from rigsim.study.tolerance.built import percentile_mm
 from rigsim.study.tolerance.run import ToleranceResult
 from rigsim.study.tolerance.sensitivities import QUANTITIES, UNITS
@@ -85,6 +86,13 @@ def print_tolerance(result: ToleranceResult, folder: Path | None = None) -> None
         console.print(f"Files: {folder}", soft_wrap=True)
 
 
+def _head(name: str, unit: bool = True) -> str:
+    column = col.COLUMNS[name]
+    # depth errors are in mm, as the table's title says
+    percent_sign = column.shown_unit == "%" and unit
+    return f"{column.heading}\n%" if percent_sign else column.heading
+
+
 def headline(result: ToleranceResult) -> str:
     """The answer in one sentence."""
     return yield_sentence(result)
@@ -94,15 +102,15 @@ def quantity_heads(result: ToleranceResult) -> tuple[str, ...]:
     """Heads of the ranked table; a newline starts a second line."""
     judged = f"{plain(result.required.depth_m)} m"
     return (
-        "quantity",
-        "std or ±",
+        _head(col.QUANTITY),
+        _head(col.TOLERANCE),
         *(f"at\n{plain(item.depth_m)} m" for item in result.depths),
-        f"common\nat {judged}",
-        "varies across\nthe image",
-        "share\n%",
-        "needed\nalone",
-        "equal\nshares",
-        "unit",
+        f"{_head(col.COMMON)}\nat {judged}",
+        _head(col.DIFFERING),
+        _head(col.VARIANCE_SHARE),
+        _head(col.NEEDED_ALONE),
+        _head(col.NEEDED_EQUAL_SHARE),
+        _head(col.UNIT),
     )
 
 
@@ -131,7 +139,14 @@ def quantity_numeric(result: ToleranceResult) -> tuple[bool, ...]:
 
 def variance_heads() -> tuple[str, ...]:
     """Heads of the table of shares; a newline starts a second line."""
-    return ("quantity", "first\norder", "Sobol,\nalone", "Sobol, with\nothers", "sampling\nerror", "source")
+    return (
+        _head(col.QUANTITY),
+        "first\norder",
+        _head(col.SOBOL["first"], unit=False),
+        _head(col.SOBOL["total"], unit=False),
+        "sampling\nerror",
+        _head(col.SOURCE),
+    )
 
 
 def variance_rows(result: ToleranceResult) -> list[tuple[str, ...]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from rigsim.present.kit.format import sampled_percent
 from rigsim.rig.arrays import Mask
 from rigsim.study.tolerance.inputs import QUANTITIES
 from rigsim.study.tolerance.run import ToleranceResult
@@ -50,11 +51,7 @@ def yield_sentence(result: ToleranceResult) -> str:
 
 
 def _percent(good: Mask) -> str:
-    """A share in percent; 0 and 100 only where all agree."""
-    share = float(good.mean())
-    if 0 < share < 0.0005:
-        return "< 0.1 %"
-    return "> 99.9 %" if 0.9995 <= share < 1 else f"{100 * share:.3g} %"
+    return f"{sampled_percent(int(good.sum()), good.size)} %"
 
 
 def informed_sentence(result: ToleranceResult) -> str:

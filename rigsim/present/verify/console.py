@@ -80,7 +80,7 @@ def print_cases(cases: Iterable[Case], *, console: Console | None = None) -> Non
         kinds = dict.fromkeys(case.name.removeprefix(f"{case.group} ") for case in alike)
         sizes = dict.fromkeys(str(len(case)) for case in alike)
         named = name == alike[0].name
-        rows.append((group if named else name, ", ".join(kinds), ", ".join(sizes), alike[0].about))
+        rows.append((group if named else name, ", ".join(kinds), ", ".join(sizes), words.about(alike[0])))
     print_table(
         f'{len(cases)} cases; --cases takes a group, a case as "verged exact", and * for any text',
         ("group", "cases", "rows", "what it shows"),

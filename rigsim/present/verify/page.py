@@ -145,8 +145,8 @@ def _failing(result: CaseResult, strict: bool, name: str) -> FailingCase:
     figure = Markup("")
     if _has_points(result):
         figure = Markup(style.to_svg(case_figure(result), name, f"Errors in {case.name}"))
-    says = tuple(f"{words.sentence(check)}. {check.why}" for check in checks)
-    return FailingCase(case.name, case.about, checks, says, figure, worst_table(result))
+    says = tuple(f"{words.sentence(check)}. {words.why(check)}" for check in checks)
+    return FailingCase(case.name, words.about(case), checks, says, figure, worst_table(result))
 
 
 def _has_points(result: CaseResult) -> bool:

@@ -5,6 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from rigsim.present.kit.mistakes.said import says as says
+from rigsim.present.kit.sayings import spoken
+from rigsim.present.verify.sentences import ABOUT, WHY
+from rigsim.study.verify.case import Case
+from rigsim.study.verify.geometries import Geometry
 from rigsim.study.verify.result import CaseResult, Check, Diagnosis, TriangulatorResult
 
 MEANS = {
@@ -86,6 +91,16 @@ def sentence(check: Check) -> str:
     return f"{check.name}: {found(check)}, allowed {allowed(check)}"
 
 
+def about(what: Case | Geometry) -> str:
+    """What a case or a geometry shows, in a sentence or two that stand alone."""
+    return spoken(what.about, ABOUT)
+
+
+def why(check: Check) -> str:
+    """Where the bounds of a check come from, and what its value means."""
+    return spoken(check.why, WHY)
+
+
 def reason(result: CaseResult, strict: bool) -> str:
     """Why a case failed, one line."""
     return result.error or "; ".join(sentence(check) for check in result.failures(strict))
@@ -117,10 +132,9 @@ def verdict(result: TriangulatorResult, strict: bool) -> str:
 def diagnosis(found: Diagnosis) -> str:
     """A diagnosis in one paragraph."""
     n = len(found.cases)
-    says = found.says.rstrip(".")
     return (
-        f"{found.mistake}: {says}. That explains {100 * found.explained:.0f} % of the error in {n} failing "
-        f"case{'s' if n != 1 else ''}."
+        f"{found.mistake}: {says(found).rstrip('.')}. That explains {100 * found.explained:.0f} % of the "
+        f"error in {n} failing case{'s' if n != 1 else ''}."
     )
 
 

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from rigsim.errors import InvalidRig
-from rigsim.rig import given
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.lens import polynomial, undistortion
+from rigsim.rig.lens.lens import Lens
 
 
 @dataclass(frozen=True, slots=True)
-class BrownConrady:
+class BrownConrady(Lens):
     """Radial k1, k2, k3 and tangential p1, p2; all zero is the ideal pinhole. No units: x/z and y/z.
 
     Example:
@@ -24,18 +25,19 @@ class BrownConrady:
         243.75
     """
 
+    model: ClassVar[str] = "brown"
+    title: ClassVar[str] = "Brown-Conrady"
+
     k1: float = 0.0
     k2: float = 0.0
     p1: float = 0.0
     p2: float = 0.0
     k3: float = 0.0
 
-    def __post_init__(self) -> None:
-        for name in ("k1", "k2", "p1", "p2", "k3"):
-            value = given.real(getattr(self, name), f"distortion {name}", InvalidRig)
-            if not np.isfinite(value):
-                raise InvalidRig(f"distortion {name} {value}: must be a finite number")
-            object.__setattr__(self, name, value)
+    @property
+    def is_ideal(self) -> bool:
+        """Whether all coefficients are 0."""
+        return not any(self.coefficients)
 
     @property
     def fold_radius2(self) -> float:
@@ -74,3 +76,21 @@ class BrownConrady:
     def undistort(self, distorted: Array) -> Array:
         """Invert `distort` (..., 2) to rounding; NaN where the lens shows no ideal point."""
         return undistortion.undistort(self, distorted)
+
+
+def are_brown(*lenses: Lens | None) -> bool:
+    """Whether all are of this model, whose coefficients they have; none is one of zeros."""
+    return all(lens is None or isinstance(lens, BrownConrady) for lens in lenses)
+
+
+def brown_of(lens: Lens | None, who: str) -> BrownConrady:
+    """`lens` for what knows this model alone; all zeros for none.
+
+    Raises:
+        InvalidRig: it is another model; the message says what `who` takes.
+    """
+    if lens is None:
+        return BrownConrady()
+    if isinstance(lens, BrownConrady):
+        return lens
+    raise InvalidRig(f"lens {lens.said}: {who} takes Brown-Conrady's k1, k2, p1, p2, k3 alone")

@@ -28,6 +28,7 @@ Reason: TypeAlias = Literal[
     "worse-than-claimed",
     # untold
     "no-points",
+    "triangulator-failed",
     "nothing-shared",
     "too-far",
     "exact",

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from rigsim.study.saying import Saying, saying
+
 
 @dataclass(frozen=True, slots=True)
 class Fault:
@@ -12,8 +14,8 @@ class Fault:
 
     name: str
     """Stable short name, as ``yaw``; ``unknown`` when no single known mistake explains the errors."""
-    says: str
-    """One sentence without a full stop."""
+    said: Saying
+    """The same with what stands in its sentence; `rigsim.present.kit.mistakes.faults` has the words."""
     amount: float = math.nan
     """How much, in `unit`: truth minus what the triangulation takes; NaN where it has no amount."""
     amount_se: float = math.nan
@@ -26,5 +28,5 @@ class Fault:
     """Short names of the mistakes that have the same effect here."""
 
 
-UNKNOWN = Fault("unknown", "no single known mistake explains it")
+UNKNOWN = Fault("unknown", saying("none-known"))
 """What is said when nothing does."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
+from rigsim.study.compare import columns as col
 from rigsim.study.compare.run import ComparisonResult
 
 _ERROR = 0.05
@@ -20,4 +21,4 @@ def quantile(result: ComparisonResult) -> float:
 def off_bound(result: ComparisonResult) -> pd.Series[bool]:
     """Whether a row's pixel error is farther from the bound than noise takes it; True without a number."""
     rows = result.rows
-    return ~((rows["pixel_error_over_bound"] - 1).abs() <= quantile(result) * rows["bound_se"])
+    return ~((rows[col.PIXEL_ERROR_OVER_BOUND] - 1).abs() <= quantile(result) * rows[col.BOUND_SE])

@@ -13,6 +13,7 @@ import numpy as np
 
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.compare import columns as col
 from rigsim.study.verify.bound import NoiseBound
 from rigsim.theory.uncertainty import pixel_gain
 
@@ -56,22 +57,22 @@ def figures(mine: Errors, first: Errors | None, must: NoiseBound, noise_px: floa
     back = np.isfinite(mine.squares)
     n = int(back.sum())
     row = {
-        "n": len(back),
-        "failed_share": 1 - n / len(back),
-        "expected_failed_share": must.failed_share,
-        "expected_failed_share_se": must.failed_share_se,
-        "pixel_error_px": math.nan,
-        "pixel_bound_px": noise_px * math.sqrt(3 * must.squares),
-        "pixel_error_over_bound": math.nan,
-        "pixel_error_over_bound_se": math.nan,
-        "bound_se": must.squares_std / (2 * must.squares * math.sqrt(max(n, 1))),
-        "pixel_error_over_first": math.nan,
-        "pixel_error_over_first_se": math.nan,
-        "depth_error_over_bound": math.nan,
-        "depth_bias_over_std": math.nan,
-        "depth_bias_over_std_se": math.nan,
-        "expected_depth_bias_over_std": must.bias,
-        "depth_median_abs_mm": math.nan,
+        col.N: len(back),
+        col.FAILED_SHARE: 1 - n / len(back),
+        col.EXPECTED_FAILED_SHARE: must.failed_share,
+        col.EXPECTED_FAILED_SHARE_SE: must.failed_share_se,
+        col.PIXEL_ERROR: math.nan,
+        col.PIXEL_BOUND: noise_px * math.sqrt(3 * must.squares),
+        col.PIXEL_ERROR_OVER_BOUND: math.nan,
+        col.PIXEL_ERROR_OVER_BOUND_SE: math.nan,
+        col.BOUND_SE: must.squares_std / (2 * must.squares * math.sqrt(max(n, 1))),
+        col.PIXEL_ERROR_OVER_FIRST: math.nan,
+        col.PIXEL_ERROR_OVER_FIRST_SE: math.nan,
+        col.DEPTH_ERROR_OVER_BOUND: math.nan,
+        col.DEPTH_BIAS: math.nan,
+        col.DEPTH_BIAS_SE: math.nan,
+        col.EXPECTED_DEPTH_BIAS: must.bias,
+        col.DEPTH_MEDIAN_ABS: math.nan,
     }
     if n < 2:
         return row
@@ -82,17 +83,17 @@ def figures(mine: Errors, first: Errors | None, must: NoiseBound, noise_px: floa
         (math.nan, math.nan) if first is None else _paired(mine.squares, first.squares)
     )
     return row | {
-        "pixel_error_px": noise_px * math.sqrt(3 * mean),
-        "pixel_error_over_bound": ratio,
-        "pixel_error_over_bound_se": ratio * float(squares.std()) / (2 * mean * math.sqrt(n))
+        col.PIXEL_ERROR: noise_px * math.sqrt(3 * mean),
+        col.PIXEL_ERROR_OVER_BOUND: ratio,
+        col.PIXEL_ERROR_OVER_BOUND_SE: ratio * float(squares.std()) / (2 * mean * math.sqrt(n))
         if mean
         else 0.0,
-        "pixel_error_over_first": over_first,
-        "pixel_error_over_first_se": over_first_se,
-        "depth_error_over_bound": math.sqrt(float((inverse_depth**2).mean()) / must.depth_squares),
-        "depth_bias_over_std": float(inverse_depth.mean()),
-        "depth_bias_over_std_se": float(inverse_depth.std()) / math.sqrt(n),
-        "depth_median_abs_mm": float(np.median(np.abs(mine.depth_m[back]))) * 1e3,
+        col.PIXEL_ERROR_OVER_FIRST: over_first,
+        col.PIXEL_ERROR_OVER_FIRST_SE: over_first_se,
+        col.DEPTH_ERROR_OVER_BOUND: math.sqrt(float((inverse_depth**2).mean()) / must.depth_squares),
+        col.DEPTH_BIAS: float(inverse_depth.mean()),
+        col.DEPTH_BIAS_SE: float(inverse_depth.std()) / math.sqrt(n),
+        col.DEPTH_MEDIAN_ABS: float(np.median(np.abs(mine.depth_m[back]))) * 1e3,
     }
 
 

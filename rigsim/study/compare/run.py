@@ -19,6 +19,7 @@ from rigsim.pixels.opencv import load_cv2
 from rigsim.rig.arrays import Array
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.compare import columns as col
 from rigsim.study.compare.row import Errors, errors, figures
 from rigsim.study.scene.provenance import versions
 from rigsim.study.verify.bound import bound
@@ -38,31 +39,6 @@ DEFAULT_NOISES_PX = (0.1, 0.25, 0.5, 1.0, 2.0)
 """Noise levels unless something else is asked for, px."""
 SPEED_RUNS = 5
 """Times each method is timed in each geometry; the median counts."""
-
-COLUMNS = (
-    "geometry",
-    "noise_px",
-    "triangulator",
-    "n",
-    "failed_share",
-    "expected_failed_share",
-    "expected_failed_share_se",
-    "pixel_error_px",
-    "pixel_bound_px",
-    "pixel_error_over_bound",
-    "pixel_error_over_bound_se",
-    "bound_se",
-    "pixel_error_over_first",
-    "pixel_error_over_first_se",
-    "depth_error_over_bound",
-    "depth_bias_over_std",
-    "depth_bias_over_std_se",
-    "expected_depth_bias_over_std",
-    "depth_median_abs_mm",
-    "points_per_second",
-    "speed_over_first",
-)
-"""Columns of the table; a row is one triangulator in one geometry at one noise level."""
 
 _MOST_POINTS = 1_000_000
 _SPEED_POINTS = 20_000
@@ -115,7 +91,7 @@ class ComparisonResult:
     """What came of it."""
 
     rows: pd.DataFrame
-    """Columns as in `COLUMNS`."""
+    """Columns as in `rigsim.study.compare.columns`."""
     plan: ComparisonPlan
     """What was asked for."""
     triangulators: tuple[str, ...]
@@ -186,16 +162,19 @@ def compare(
             must = bound(geometry.rig, points_left, noise_px)
             for label, mine in found.items():
                 rows.append(
-                    {"geometry": geometry.name, "noise_px": noise_px, "triangulator": label}
+                    {col.GEOMETRY: geometry.name, col.NOISE: noise_px, col.TRIANGULATOR: label}
                     | figures(mine, found.get(first), must, noise_px)
-                    | {"points_per_second": speed[label], "speed_over_first": speed[label] / first_speed}
+                    | {
+                        col.POINTS_PER_SECOND: speed[label],
+                        col.SPEED_OVER_FIRST: speed[label] / first_speed,
+                    }
                 )
             on_step()
     said = (*left_out, *gone.sentences())
     if not rows:
         raise TriangulatorError(f"nothing could be compared: {'; '.join(said)}", "nothing-found")
     return ComparisonResult(
-        pd.DataFrame(rows, columns=list(COLUMNS)),
+        pd.DataFrame(rows, columns=list(col.COLUMNS)),
         plan,
         tuple(triangulators),
         said,

@@ -18,6 +18,7 @@ from rigsim.study.agreement.agreement import Agreement
 from rigsim.study.design import words as words
 from rigsim.study.design.checks import RequirementCheck, RigInScene, check
 from rigsim.study.design.solve import Candidate, Design, Specification, solve
+from rigsim.study.saying import saying
 from rigsim.theory.inverse import GATES, LOWER
 
 if TYPE_CHECKING:
@@ -175,7 +176,7 @@ def settle_and_prove(
             break
         if rounds < ROUNDS and any(held.is_missed_by_pixels for held in proofs[-1].checks):
             rounds += 1
-            when = f"by {words.camera(candidate.camera)}, which missed with less"
+            when = saying("after-a-miss", camera=words.camera(candidate.camera))
             found = measure_noise(specification, candidate, room, when)
             if found.noise_px > design.specification.noise_px:
                 design, current = solve(found, cameras, preference), []

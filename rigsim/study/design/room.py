@@ -23,6 +23,7 @@ from rigsim.statistics import rms, robust_rms
 from rigsim.study.design import words as words
 from rigsim.study.design.checks import FEWEST_MATCHES, nearest_points
 from rigsim.study.design.solve import Candidate, Design, Specification, solve
+from rigsim.study.saying import Saying, saying
 from rigsim.study.scene.columns import Row
 from rigsim.study.scene.look import Look, Outcome, all_rows, look, measure_pictures, simulate
 from rigsim.study.scene.pictures import without_noise
@@ -147,6 +148,8 @@ class Room:
         truth = trial.seen.truth
         plan = replace(trial.plan, noises=(noise,))
         outcome: Outcome = all_rows(self._simulator, rig, plan, trial.seen, trial.measured)
+        if outcome.broken:
+            raise outcome.broken[0]
         _, stats = simulate(
             self._simulator, rig, truth, noise, plan, np.zeros(len(truth.visible), dtype=np.int32)
         )
@@ -204,7 +207,7 @@ def settle(specification: Specification, cameras: Sequence[Camera], preference: 
     design = _start(specification, cameras, preference)
     for done in range(1, ROUNDS + 1):
         assumed_px = design.specification.noise_px
-        found = measure_noise(specification, design.candidates[0], room, f"round {done}")
+        found = measure_noise(specification, design.candidates[0], room, saying("round", number=done))
         if found.noise_source != "measured":
             return solve(found, cameras, preference)
         agreed = abs(found.noise_px / assumed_px - 1) <= AGREES
@@ -216,24 +219,34 @@ def settle(specification: Specification, cameras: Sequence[Camera], preference: 
     return design
 
 
-def measure_noise(specification: Specification, candidate: Candidate, room: Room, when: str) -> Specification:
+def measure_noise(
+    specification: Specification, candidate: Candidate, room: Room, when: Saying
+) -> Specification:
     """The specification with the noise that `candidate` shows in `room`, rounded up to two digits.
 
-    Where too little was matched it keeps its noise, as one assumed; `when` ends the words about it.
+    Where too little was matched it keeps its noise, as one assumed; `when` tells which measurement it is.
     """
     trial, matches = room.trial(candidate), room.trial(candidate).matches
     depths_m = [asked.depth_m for asked in specification.requirements if asked.kind == "depth_error"]
     range_m = (specification.near_m, specification.far_m)
     noise_px = math.nan if matches is None else measured_noise_px(matches, range_m, depths_m)
     if matches is None or not noise_px > 0:
-        why = trial.why or f"{trial.fitting.label} finds fewer than {FEWEST_MATCHES} matches in the range"
-        return replace(specification, noise_source="assumed", noise_says=f"assumed, as {why}")
+        found_few = saying("few-matches", sensor=trial.fitting.label, fewest=FEWEST_MATCHES)
+        return replace(
+            specification, noise_source="assumed", noise_from=saying("assumed", why=trial.why or found_few)
+        )
     return replace(
         specification,
         noise_px=words.rounded(noise_px, up=True, digits=2),
         noise_source="measured",
-        noise_says=f"measured in `{room.plan.scene}` (sensor: {trial.fitting.label}) on "
-        f"{int((~matches.outlier).sum())} {matches.method}, {when}",
+        noise_from=saying(
+            "measured",
+            scene=room.plan.scene,
+            sensor=trial.fitting.label,
+            matches=int((~matches.outlier).sum()),
+            method=matches.method,
+            when=when,
+        ),
     )
 
 

@@ -26,6 +26,7 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.study.design import words as words
 from rigsim.study.design.budget import BUILD_SHARE, MARGIN, check_share, least_baseline_m, noise_share, picks
 from rigsim.study.design.buildable import MACHINISTS, Builder, buildable_first
+from rigsim.study.saying import Saying
 from rigsim.theory.inverse import (
     GATES,
     LOWER,
@@ -62,6 +63,8 @@ HFOVS_DEG: tuple[float, ...] = (30, 40, 50, 60, 70, 80, 90, 100)
 LENSES_MM: tuple[float, ...] = (2.1, 2.8, 3.6, 4, 6, 8, 12, 16, 25)
 """Lenses tried behind a named sensor when none is given: what S and C mounts are sold with, mm."""
 
+_GIVEN = Saying("given")
+
 
 @dataclass(frozen=True, slots=True)
 class Specification:
@@ -77,8 +80,8 @@ class Specification:
     """Standard deviation of one pixel coordinate, px."""
     noise_source: NoiseSource = "given"
     """Where the noise comes from."""
-    noise_says: str = "given"
-    """Where the noise comes from, in words."""
+    noise_from: Saying = _GIVEN
+    """The same, to be put into words."""
     build_share: float = BUILD_SHARE
     """Share of a depth error's variance that a pick leaves for what its build errs, 0 to below 1."""
     builder: Builder = MACHINISTS

@@ -19,7 +19,7 @@ class Column:
     name: str
     """In files: ``depth_rmse_mm``; it carries the unit."""
     heading: str
-    """What a person calls it."""
+    """What a person calls it; a newline says where it breaks in a narrow table."""
     unit: str
     """Unit in files: mm, px, deg, %, 1/m, "" without one."""
     format: ColumnFormat
@@ -32,6 +32,10 @@ class Column:
     """What words must look like, a regular expression; "" for any."""
     whole: bool = False
     """Whether numbers are whole ones; those of the format "count" are in any case."""
+    above: float | None = None
+    """What numbers are greater than; None for any."""
+    words: tuple[str, ...] = ()
+    """The words there are; none for any."""
 
     @property
     def numeric(self) -> bool:
@@ -64,8 +68,12 @@ class ColumnList:
         pattern: str = "",
     ) -> str:
         """Put one more column at the end; its name."""
-        self.columns.append(Column(name, heading, unit, format, meaning, empty, pattern))
-        return name
+        return self.put(Column(name, heading, unit, format, meaning, empty, pattern))
+
+    def put(self, column: Column) -> str:
+        """Put `column` at the end; its name."""
+        self.columns.append(column)
+        return column.name
 
 
 def clean(value: float) -> float:

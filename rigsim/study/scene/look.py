@@ -9,7 +9,7 @@ from functools import cache, partial
 
 import numpy as np
 
-from rigsim.errors import NothingSeen
+from rigsim.errors import NothingSeen, TriangulatorError
 from rigsim.rig.arrays import Ids
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.remark import Remark
@@ -21,7 +21,7 @@ from rigsim.study.agreement.fault import Fault
 from rigsim.study.scene.columns import Row
 from rigsim.study.scene.pictures import Exposure, expose_pair, without_noise
 from rigsim.study.scene.plan import Plan
-from rigsim.study.scene.rows import RowEvidence, configuration, empty_row, rows_of
+from rigsim.study.scene.rows import RowEvidence, broken_row, configuration, empty_row, rows_of
 from rigsim.study.scene.statistics import ErrorStatistics
 from rigsim.study.scene.third_witness import MeasuredMatches, measure
 from rigsim.study.scene.trials import Prediction, predict, run_trials
@@ -47,6 +47,8 @@ class Outcome:
     """Share of the left image that shows surfaces beyond the far limit, which are left out."""
     remarks: tuple[Remark, ...] = ()
     """What is odd about the scene or the rig's place in it."""
+    broken: list[TriangulatorError] = field(default_factory=list)
+    """Why rows have no result: of each, the error of its triangulator."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,31 +110,37 @@ def all_rows(
     true_rig, assumed_rig = plan.true_and_assumed(rig)
     uv_left, _ = true_rig.project(truth.points_left)
     for noise in plan.noises:
-        predictions, all_stats = simulate(simulator, rig, truth, noise, plan, bins)
+        predictions, all_stats = tried(simulator, rig, truth, noise, plan, bins)
         for label, stats in all_stats.items():
             usable = truth.points_left[truth.visible][~predictions[label].low_disparity]
             # once for all sensors, and only when a row is flagged
             diagnose = cache(partial(find_fault, true_rig, assumed_rig, usable, noise, methods[label]))
             for sensor in plan.sensors:
                 head = configuration(simulator.scene.name, rig, noise, label, sensor)
-                evidence = RowEvidence(
-                    rig=assumed_rig,
-                    points_left=truth.points_left,
-                    uv_left=uv_left,
-                    visible=truth.visible,
-                    in_right_image=truth.in_right_image,
-                    coverage=truth.coverage,
-                    coverage_bins=coverage_bins,
-                    image_weight=image_weights(bins, coverage_bins, len(edges_m) - 1),
-                    bins=bins,
-                    edges_m=edges_m,
-                    prediction=predictions[label],
-                    stats=stats,
-                    measured=measured.get(sensor),
-                    triangulator=methods[label],
-                    diagnose=diagnose,
-                )
-                row, by_depth, fault = rows_of(head, evidence)
+                try:
+                    if isinstance(stats, TriangulatorError):
+                        raise stats
+                    evidence = RowEvidence(
+                        rig=assumed_rig,
+                        points_left=truth.points_left,
+                        uv_left=uv_left,
+                        visible=truth.visible,
+                        in_right_image=truth.in_right_image,
+                        coverage=truth.coverage,
+                        coverage_bins=coverage_bins,
+                        image_weight=image_weights(bins, coverage_bins, len(edges_m) - 1),
+                        bins=bins,
+                        edges_m=edges_m,
+                        prediction=predictions[label],
+                        stats=stats,
+                        measured=measured.get(sensor),
+                        triangulator=methods[label],
+                        diagnose=diagnose,
+                    )
+                    row, by_depth, fault = rows_of(head, evidence)
+                except TriangulatorError as error:
+                    row, by_depth, fault = broken_row(head, truth, plan.n_trials, error), [], None
+                    outcome.broken.append(error)
                 outcome.faults.append(fault)
                 outcome.rows.append(row)
                 outcome.by_depth.extend(by_depth)
@@ -184,7 +192,29 @@ def simulate(
     plan: Plan,
     bins: Ids,
 ) -> tuple[dict[str, Prediction], dict[str, ErrorStatistics]]:
-    """Predictions for, and simulated errors of, the points that both cameras see, by the triangulator."""
+    """Predictions for, and simulated errors of, the points that both cameras see, by the triangulator.
+
+    Raises:
+        TriangulatorError: one of them breaks.
+    """
+    predictions, found = tried(simulator, rig, truth, noise, plan, bins)
+    stats = {}
+    for label, one in found.items():
+        if isinstance(one, TriangulatorError):
+            raise one
+        stats[label] = one
+    return predictions, stats
+
+
+def tried(
+    simulator: Simulator,
+    rig: StereoRig,
+    truth: GroundTruth,
+    noise: PixelNoise,
+    plan: Plan,
+    bins: Ids,
+) -> tuple[dict[str, Prediction], dict[str, ErrorStatistics | TriangulatorError]]:
+    """The same, with the error of a triangulator that breaks in the place of its errors."""
     points_left = truth.points_left[truth.visible]
     rigs = plan.true_and_assumed(rig)
     predictions = {

@@ -9,7 +9,7 @@ import numpy as np
 from rigsim.errors import InvalidRig
 from rigsim.rig.arrays import GREY_WEIGHTS, AnyImage, Array, Light
 from rigsim.rig.intrinsics import Intrinsics
-from rigsim.rig.lens.distortion import BrownConrady
+from rigsim.rig.lens.lens import Lens
 from rigsim.rig.sensor import Sensor, Side
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.exposure import digitise, optics
@@ -113,7 +113,7 @@ def _for_looking(fine: Light, grey: Array, distorts: bool, supersample: int) -> 
     return np.asarray(np.repeat(np.clip(grey, 0, 1)[..., None], 3, axis=2), dtype=np.float32)
 
 
-def _through(camera: Intrinsics, lens: BrownConrady | None) -> Intrinsics:
+def _through(camera: Intrinsics, lens: Lens | None) -> Intrinsics:
     if lens is None:
         return camera
     if camera.distortion is not None:

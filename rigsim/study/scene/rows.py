@@ -10,10 +10,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import ndtr
 
+from rigsim.errors import TriangulatorError
 from rigsim.rig.arrays import Array, Ids, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
-from rigsim.sim.truth.points import Coverage
+from rigsim.sim.truth.points import Coverage, GroundTruth
 from rigsim.statistics import rms
 from rigsim.study.agreement.agreement import Agreement, AgreementPlace, worst
 from rigsim.study.agreement.claims import measured_agreement
@@ -90,6 +91,22 @@ def empty_row(head: Row, n_trials: int, cause: str) -> Row:
         col.OVERLAP_FRACTION: 0.0,
     }
     return row | _written(Agreement("untold", reason="no-points", cause=cause)) | head
+
+
+def broken_row(head: Row, truth: GroundTruth, n_trials: int, error: TriangulatorError) -> Row:
+    """The row of sweep.csv where a triangulator broke: what the rig sees, and why there is no result."""
+    coverage = truth.coverage
+    row = empty_row(head, n_trials, "") | {
+        col.N_POINTS: len(truth.points_left),
+        col.N_VISIBLE: int(truth.visible.sum()),
+    }
+    if len(coverage.depth_m):
+        row |= {
+            col.SCENE_FRACTION: len(coverage.depth_m) / coverage.n_rays,
+            col.VISIBLE_FRACTION: float(coverage.visible_right.mean()),
+            col.OVERLAP_FRACTION: float(coverage.in_right_image.mean()),
+        }
+    return row | _written(Agreement("untold", reason="triangulator-failed", cause=str(error)))
 
 
 def rows_of(head: Row, evidence: RowEvidence) -> tuple[Row, list[Row], Fault | None]:

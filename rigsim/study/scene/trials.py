@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rigsim.errors import TriangulatorError
 from rigsim.rig.arrays import Array, Ids, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
@@ -108,7 +109,7 @@ def run_trials(
     groups: Ids,
     n_trials: int,
     rng: np.random.Generator,
-) -> dict[str, ErrorStatistics]:
+) -> dict[str, ErrorStatistics | TriangulatorError]:
     """Project, add noise, triangulate and compare, `n_trials` times for each point (N, 3) m.
 
     Every triangulator, by its label, gets the same noisy pixels, and is held to its prediction.
@@ -122,10 +123,14 @@ def run_trials(
         groups: sort the points for the histogram, (N,).
         n_trials: how often.
         rng: random numbers.
+
+    Returns:
+        By the label, the statistics, or the error of a triangulator that broke: it is not asked again.
     """
     n = len(points_left)
     n_groups = int(groups.max(initial=-1)) + 1
     result = {label: ErrorStatistics(n, groups, n_groups) for label in predictions}
+    broken: dict[str, TriangulatorError] = {}
     true_rig, assumed_rig = rigs
     uv_left, uv_right = true_rig.project(points_left)
     true_views = views(points_left)
@@ -135,14 +140,20 @@ def run_trials(
         )
         flat_left, flat_right = noisy_left.reshape(-1, 2), noisy_right.reshape(-1, 2)
         for label, predicted in predictions.items():
-            found_left = triangulate(assumed_rig, flat_left, flat_right, predicted.method)
+            if label in broken:
+                continue
+            try:
+                found_left = triangulate(assumed_rig, flat_left, flat_right, predicted.method)
+            except TriangulatorError as error:
+                broken[label] = error
+                continue
             found_left = found_left.reshape(size, n, 3)
             with np.errstate(all="ignore"):
                 error_view = views(found_left) - true_views
             result[label].add(
                 found_left - points_left, error_view, predicted.whitening, predicted.depth_sigmas
             )
-    return result
+    return result | broken
 
 
 def _blocks(n_trials: int, n_points: int) -> Iterator[int]:

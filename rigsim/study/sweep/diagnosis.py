@@ -1,4 +1,4 @@
-"""What is off where a sweep flags a row: one sentence, from asking the triangulator again.
+"""What is off where a sweep flags a row: from asking the triangulator again.
 
 The triangulator gets the pixels of some of the points once more, without noise: what it then gets wrong is
 systematic, and every known mistake is made again and compared (`rigsim.study.sweep.models` for those with an
@@ -19,6 +19,7 @@ from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.agreement.fault import UNKNOWN, Fault
+from rigsim.study.saying import Saying, saying
 from rigsim.study.scene.plan import Triangulator
 from rigsim.study.sweep.fit import Fit, fits, rig_differences
 from rigsim.study.sweep.symptoms import (
@@ -26,7 +27,6 @@ from rigsim.study.sweep.symptoms import (
     Asked,
     ask,
     flat,
-    percent,
     scatter,
     where,
     without_disparity,
@@ -104,7 +104,7 @@ def _random(asked: Asked) -> Fault | None:
     lost = float((~np.isfinite(found).all(axis=2)).mean())
     size = [float(np.nanmedian(asked.size(one))) for one in found]
     if np.median(size) <= _NEGLIGIBLE:
-        return Fault("lost-points", f"{percent(lost)} of the points come back as NaN, other ones each time")
+        return Fault("lost-points", saying("lost-points: each time", share=lost))
     mean = np.nanmean(found, axis=0)
     if np.nanmedian(asked.size(mean)) <= 3 * np.median(size) / math.sqrt(TRIALS):
         return None
@@ -117,8 +117,9 @@ def _lost(asked: Asked, found: Array, lost: float) -> Fault:
     if whole and lost > 1 / 2:
         return _told(whole)
     where = next((one for one in told if one.mistake.endswith("-missing")), None)
-    more = "" if where is None or where.mistake.startswith("rows") else f": {_plain(where.says)}"
-    return Fault("lost-points", f"{percent(lost)} of the points come back as NaN even without noise{more}")
+    if where is None or where.mistake.startswith("rows"):
+        return Fault("lost-points", saying("lost-points", share=lost))
+    return Fault("lost-points", saying("lost-points: which", share=lost, which=_as_verify(where)))
 
 
 def _systematic(asked: Asked, found: Array, off: Mask) -> Fault:
@@ -127,12 +128,14 @@ def _systematic(asked: Asked, found: Array, off: Mask) -> Fault:
     if same is not None:
         return same
     right = np.isfinite(found).all(axis=1) & ~off
-    place = where(asked, off) if min(right.sum(), off.sum()) >= _FEW else ""
-    if not place:
+    place = where(asked, off) if min(right.sum(), off.sum()) >= _FEW else None
+    if place is None:
         return _named(asked, found)
     inside = _named(asked[off], found[off])
     return replace(
-        inside, name=f"{inside.name}-in-a-part", says=f"only {place} are off; there: {inside.says}"
+        inside,
+        name=f"{inside.name}-in-a-part",
+        said=saying("in-a-part", place=place, there=inside.said),
     )
 
 
@@ -150,14 +153,13 @@ def _named(asked: Asked, found: Array) -> Fault:
         return _fitted(tried, best)
     others = [one for one in told if one.mistake in _FITTED_THERE and one.explained >= _CONVINCING]
     if others:
-        return Fault(others[0].mistake, _plain(others[0].says), explained=others[0].explained)
+        return Fault(others[0].mistake, _as_verify(others[0]), explained=others[0].explained)
     nearest = max(tried, key=lambda one: one.explained, default=None)
     if nearest is None or nearest.explained < 0.5:
         return UNKNOWN
     return Fault(
         "unknown",
-        f"{UNKNOWN.says}; the nearest, {nearest.sentence}, explains {nearest.explained * 100:.0f} % of the "
-        "mean square error",
+        saying("none-known: nearest", nearest=nearest.said, share=nearest.explained),
         explained=nearest.explained,
     )
 
@@ -165,8 +167,8 @@ def _named(asked: Asked, found: Array) -> Fault:
 def _told(found: Sequence[Diagnosis]) -> Fault:
     """The best that `verify` names, with those that cannot be told from it."""
     first, *others = (one for one in found if one.explained >= found[0].explained - _ALIKE)
-    says = "; the same here as: ".join(_plain(one.says) for one in (first, *others[:1]))
-    return Fault(first.mistake, says, explained=first.explained, also=tuple(one.mistake for one in others))
+    said = saying("same-here", mistakes=tuple(_as_verify(one) for one in (first, *others[:1])))
+    return Fault(first.mistake, said, explained=first.explained, also=tuple(one.mistake for one in others))
 
 
 def _linear(explained: float) -> float:
@@ -182,12 +184,12 @@ def _fitted(tried: Sequence[Fit], best: float) -> Fault:
     """The best of the fits, with those that cannot be told from it."""
     alike = [one for one in tried if one.explained >= best - _ALIKE]
     first, *others = alike
-    says = first.sentence
+    said = first.said
     if others:
-        says += "; the same here as " + "; or ".join(one.sentence for one in others[:2])
+        said = saying("same-here: amounts", first=said, others=tuple(one.said for one in others[:2]))
     return Fault(
         first.model.name,
-        says,
+        said,
         first.amount,
         first.amount_se,
         first.model.unit,
@@ -199,17 +201,14 @@ def _fitted(tried: Sequence[Fit], best: float) -> Fault:
 def _verified(asked: Asked, found: Array) -> tuple[Diagnosis, ...]:
     """What `rigsim verify` makes of the answers."""
     uv_left, uv_right = asked.rig.project(asked.points_left)
-    case = Case(
-        "sweep", "sweep", "exact", "Points of a sweep.", asked.rig, uv_left, uv_right, asked.points_left
-    )
+    case = Case("sweep", "sweep", "exact", saying("sweep"), asked.rig, uv_left, uv_right, asked.points_left)
     result = CaseResult(case, "", judge(case, found, 1e-6).checks, found_left=found)
     return diagnose([result])
 
 
-def _plain(says: str) -> str:
-    """A sentence as part of another."""
-    text = says.rstrip(".").replace(" ('sweep')", "").replace(" in 'sweep'", "")
-    return text[:1].lower() + text[1:] if text[1:2].islower() else text
+def _as_verify(found: Diagnosis) -> Saying:
+    """What `rigsim verify` says, as part of another sentence."""
+    return saying("as-verify", mistake=found.said)
 
 
 def _of_rigs(asked: Asked, true_rig: StereoRig) -> Fault | None:
@@ -229,6 +228,6 @@ def _of_rigs(asked: Asked, true_rig: StereoRig) -> Fault | None:
         return UNKNOWN
     return Fault(
         "several",
-        "the true rig is not the assumed one: " + "; ".join(one.sentence for one in known),
+        saying("several", differences=tuple(one.said for one in known)),
         also=tuple(one.model.name for one in known),
     )

@@ -13,10 +13,11 @@ import numpy as np
 
 from rigsim.errors import InvalidRig
 from rigsim.rig.arrays import Array
-from rigsim.rig.lens.distortion import BrownConrady
+from rigsim.rig.lens.distortion import are_brown, brown_of
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.agreement.views import views
+from rigsim.study.saying import Saying, saying
 from rigsim.study.sweep.models import Model, models
 from rigsim.theory.triangulation import triangulate
 
@@ -41,14 +42,10 @@ class Fit:
     """Share of the weighted mean square error that it explains."""
 
     @property
-    def sentence(self) -> str:
-        """The mistake in words, with its amount."""
-        model = self.model
-        error = f" +- {self.amount_se:.1g}" if self.amount_se > 0.005 * abs(self.amount) else ""
-        unit = f" {model.unit}" if model.unit else ""
-        return model.says.format(
-            f"{abs(self.amount):#.3g}{error}{unit}", more=model.ways[0 if self.amount >= 0 else 1]
-        )
+    def said(self) -> Saying:
+        """The mistake with its amount."""
+        amount = saying("amount", amount=self.amount, amount_se=self.amount_se, unit=self.model.unit)
+        return saying(f"{self.model.name}: {'more' if self.amount >= 0 else 'less'}", amount=amount)
 
 
 def fits(rig: StereoRig, points_left: Array, found_left: Array, whitening: Array) -> list[Fit]:
@@ -133,7 +130,8 @@ def _differences(assumed: StereoRig, true: StereoRig) -> dict[str, float]:
     result |= {"axial": aside[2], "vertical": aside[1]}
     lenses = {}
     for side, was, now in (("left", assumed.left, true.left), ("right", assumed.right, true.right)):
-        k1 = [(lens.distortion or BrownConrady()).k1 for lens in (now, was)]
+        bent = (now.distortion, was.distortion)
+        k1 = [brown_of(lens, "k1").k1 for lens in bent] if are_brown(*bent) else [0.0, 0.0]
         lenses[side] = {
             "focal": now.fy / was.fy - 1,
             "fx": now.fx / was.fx - now.fy / was.fy,

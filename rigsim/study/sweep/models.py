@@ -15,8 +15,8 @@ import numpy as np
 
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
-from rigsim.rig.lens.distortion import BrownConrady
-from rigsim.rig.perturbation import Perturbation
+from rigsim.rig.lens.distortion import are_brown
+from rigsim.rig.perturbation import Perturbation, with_k1
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 from rigsim.theory.triangulation import triangulate
@@ -31,10 +31,6 @@ class Model:
 
     name: str
     """Stable short name, as ``yaw``."""
-    says: str
-    """What it is, with ``{}`` for the amount and ``{more}`` for its direction."""
-    ways: tuple[str, str]
-    """The direction of a positive and of a negative amount."""
     unit: str
     """Unit of the amount as it is said."""
     scale: float
@@ -50,12 +46,13 @@ class Model:
 def models(rig: StereoRig, points_left: Array) -> Iterator[Model]:
     """Every mistake with an amount, the likelier first, for points (N, 3) m and the rig that is assumed."""
     yield from _of_answers(rig, points_left)
-    for name, says, ways, unit, scale, step, change in (*_BOTH, *_RIGHT, *_LEFT, *_pose(rig)):
-        yield Model(name, says, ways, unit, scale, step, _rig_answers(rig, points_left, change))
+    for name, unit, scale, step, change in (*_BOTH, *_RIGHT, *_LEFT, *_pose(rig)):
+        if not _lacks_k1(rig, name):
+            yield Model(name, unit, scale, step, _rig_answers(rig, points_left, change))
 
 
 _Change: TypeAlias = Callable[[StereoRig, float], StereoRig]
-_Entry: TypeAlias = tuple[str, str, tuple[str, str], str, float, float, _Change]
+_Entry: TypeAlias = tuple[str, str, float, float, _Change]
 
 
 def _rig_answers(rig: StereoRig, points_left: Array, change: _Change) -> Answers:
@@ -67,27 +64,24 @@ def _rig_answers(rig: StereoRig, points_left: Array, change: _Change) -> Answers
 
 def _of_answers(rig: StereoRig, points_left: Array) -> Iterator[Model]:
     uv_left, uv_right = rig.project(points_left)
-    size = ("too large", "too small")
 
     def scaled(*axes: float) -> Answers:
         return lambda amount: points_left * (1 + amount * np.array(axes))
 
     yield Model(
         "disparity-offset",
-        "a constant disparity offset: disparities are taken {} {more}",
-        size,
         "px",
         1.0,
         1e-3,
         lambda amount: triangulate(rig, uv_left, uv_right - (amount, 0.0), "optimal"),
         of_answers=True,
     )
-    for name, what, axes in (
-        ("scale", "scale: all coordinates come back {} {more}", (1.0, 1.0, 1.0)),
-        ("depth-scale", "scale of depth: Z comes back {} {more}, X and Y are right", (0.0, 0.0, 1.0)),
-        ("lateral-scale", "scale: X and Y come back {} {more}, Z is right", (1.0, 1.0, 0.0)),
+    for name, axes in (
+        ("scale", (1.0, 1.0, 1.0)),
+        ("depth-scale", (0.0, 0.0, 1.0)),
+        ("lateral-scale", (1.0, 1.0, 0.0)),
     ):
-        yield Model(name, what, size, "%", 100.0, 1e-5, scaled(*axes), of_answers=True)
+        yield Model(name, "%", 100.0, 1e-5, scaled(*axes), of_answers=True)
 
 
 def _lens(side: str, change: Callable[[Intrinsics, float], Intrinsics]) -> _Change:
@@ -100,91 +94,34 @@ def _lens(side: str, change: Callable[[Intrinsics, float], Intrinsics]) -> _Chan
 
 
 def _k1(lens: Intrinsics, amount: float) -> Intrinsics:
-    distortion = lens.distortion or BrownConrady()
-    return replace(lens, distortion=replace(distortion, k1=distortion.k1 + amount))
+    return replace(lens, distortion=with_k1(lens.distortion, amount))
 
 
-_OFFSET = "a constant disparity offset, by the "
-_LONGER = ("longer", "shorter")
-_TAKES = "than the triangulation takes it to be"
-_CHANGES: tuple[
-    tuple[str, str, tuple[str, str], str, float, float, Callable[[Intrinsics, float], Intrinsics]], ...
-] = (
-    (
-        "focal",
-        f"focal length of {{side}}: it is {{}} {{more}} {_TAKES}",
-        _LONGER,
-        "%",
-        100.0,
-        1e-6,
-        lambda lens, a: replace(lens, fx=lens.fx * (1 + a), fy=lens.fy * (1 + a)),
-    ),
-    (
-        "cx",
-        f"principal point of {{side}}: it lies {{}} further {{more}} {_TAKES}",
-        ("right", "left"),
-        "px",
-        1.0,
-        1e-3,
-        lambda lens, a: replace(lens, cx=lens.cx + a),
-    ),
-    (
-        "cy",
-        f"principal point of {{side}}: it lies {{}} further {{more}} {_TAKES}",
-        ("down", "up"),
-        "px",
-        1.0,
-        1e-3,
-        lambda lens, a: replace(lens, cy=lens.cy + a),
-    ),
-    (
-        "k1",
-        f"lens distortion k1 of {{side}}: it is {{}} {{more}} {_TAKES}",
-        ("greater", "less"),
-        "",
-        1.0,
-        1e-6,
-        _k1,
-    ),
-    (
-        "fx",
-        f"a stretch of the image: fx of {{side}} is {{}} {{more}} {_TAKES}, fy is right",
-        _LONGER,
-        "%",
-        100.0,
-        1e-6,
-        lambda lens, a: replace(lens, fx=lens.fx * (1 + a)),
-    ),
-    (
-        "fy",
-        f"a stretch of the image: fy of {{side}} is {{}} {{more}} {_TAKES}, fx is right",
-        _LONGER,
-        "%",
-        100.0,
-        1e-6,
-        lambda lens, a: replace(lens, fy=lens.fy * (1 + a)),
-    ),
+def _lacks_k1(rig: StereoRig, name: str) -> bool:
+    """Whether a mistake's `name` is of a k1 that a lens of another model does not have."""
+    side = name.removesuffix("-k1")
+    lenses = {"left": (rig.left,), "right": (rig.right,), "both": (rig.left, rig.right)}.get(side, ())
+    return side != name and not are_brown(*(lens.distortion for lens in lenses))
+
+
+_CHANGES: tuple[tuple[str, str, float, float, Callable[[Intrinsics, float], Intrinsics]], ...] = (
+    ("focal", "%", 100.0, 1e-6, lambda lens, a: replace(lens, fx=lens.fx * (1 + a), fy=lens.fy * (1 + a))),
+    ("cx", "px", 1.0, 1e-3, lambda lens, a: replace(lens, cx=lens.cx + a)),
+    ("cy", "px", 1.0, 1e-3, lambda lens, a: replace(lens, cy=lens.cy + a)),
+    ("k1", "", 1.0, 1e-6, _k1),
+    ("fx", "%", 100.0, 1e-6, lambda lens, a: replace(lens, fx=lens.fx * (1 + a))),
+    ("fy", "%", 100.0, 1e-6, lambda lens, a: replace(lens, fy=lens.fy * (1 + a))),
 )
 
 
-def _of(side: str, words: str) -> tuple[_Entry, ...]:
+def _of(side: str) -> tuple[_Entry, ...]:
     return tuple(
-        (
-            f"{side}-{name}",
-            _OFFSET * ((side, name) == ("left", "cx")) + says.replace("{side}", words),
-            ways,
-            unit,
-            scale,
-            step,
-            _lens(side, change),
-        )
-        for name, says, ways, unit, scale, step, change in _CHANGES
+        (f"{side}-{name}", unit, scale, step, _lens(side, change))
+        for name, unit, scale, step, change in _CHANGES
     )
 
 
-_BOTH = _of("both", "both cameras")
-_RIGHT = _of("right", "the right camera")
-_LEFT = _of("left", "the left camera")
+_BOTH, _RIGHT, _LEFT = _of("both"), _of("right"), _of("left")
 
 
 def _perturbed(field: str) -> _Change:
@@ -198,52 +135,11 @@ def _longer(rig: StereoRig, amount: float) -> StereoRig:
 
 def _pose(rig: StereoRig) -> tuple[_Entry, ...]:
     degrees, metre_step = math.degrees(1.0), 1e-5 * rig.baseline_m
-    to = "than the triangulation takes it to"
     return (
-        ("baseline", f"baseline: it is {{}} {{more}} {_TAKES}", _LONGER, "%", 100.0, 1e-6, _longer),
-        (
-            "yaw",
-            f"yaw: the right camera looks {{}} further {{more}} {to}",
-            ("right", "left"),
-            "deg",
-            degrees,
-            1e-6,
-            _perturbed("yaw_rad"),
-        ),
-        (
-            "pitch",
-            f"pitch: the right camera looks {{}} further {{more}} {to}",
-            ("up", "down"),
-            "deg",
-            degrees,
-            1e-6,
-            _perturbed("pitch_rad"),
-        ),
-        (
-            "roll",
-            "roll: the right camera is turned {} {more} against what the triangulation takes",
-            ("clockwise", "anticlockwise"),
-            "deg",
-            degrees,
-            1e-6,
-            _perturbed("roll_rad"),
-        ),
-        (
-            "axial",
-            f"the right camera stands {{}} further {{more}} along the optical axis {to}",
-            ("forward", "back"),
-            "mm",
-            1e3,
-            metre_step,
-            _perturbed("axial_m"),
-        ),
-        (
-            "vertical",
-            f"the right camera stands {{}} further {{more}} {to}",
-            ("down", "up"),
-            "mm",
-            1e3,
-            metre_step,
-            _perturbed("vertical_m"),
-        ),
+        ("baseline", "%", 100.0, 1e-6, _longer),
+        ("yaw", "deg", degrees, 1e-6, _perturbed("yaw_rad")),
+        ("pitch", "deg", degrees, 1e-6, _perturbed("pitch_rad")),
+        ("roll", "deg", degrees, 1e-6, _perturbed("roll_rad")),
+        ("axial", "mm", 1e3, metre_step, _perturbed("axial_m")),
+        ("vertical", "mm", 1e3, metre_step, _perturbed("vertical_m")),
     )

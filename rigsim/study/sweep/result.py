@@ -54,6 +54,8 @@ class SweepResult:
     """What is odd about the scene or the rigs' place in it, each said once."""
     faults: tuple[Fault | None, ...] = ()
     """What is off in each row, in the order of `rows`; None where nothing is flagged or found."""
+    broken: tuple[str, ...] = ()
+    """Why rows have no result: the error of the triangulator, of each that broke in its row."""
     complete: bool = True
     """False when the run was interrupted and holds only the rigs done until then."""
 

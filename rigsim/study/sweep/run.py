@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from rigsim import interrupts
-from rigsim.errors import InvalidRange, InvalidScene
+from rigsim.errors import InvalidRange, InvalidScene, TriangulatorError
 from rigsim.rig import extent, given
 from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
@@ -49,7 +49,8 @@ def sweep(
 
     Raises:
         InvalidScene: the scene cannot be used, or no rig sees anything with both cameras.
-        TriangulatorError: a triangulator is unknown, raises or returns the wrong thing.
+        TriangulatorError: a triangulator is unknown; or all of them raise or return the wrong thing. Where
+            some do, on some rigs, those rows say so in place of a result.
         RenderUnavailable: the renderer asked for does not work here.
     """
     plan = given.a(Plan, plan or Plan(), "a Plan: what is simulated")
@@ -98,12 +99,31 @@ class _Done:
         return max((outcome.beyond_fraction for outcome in self.outcomes), default=0.0)
 
     @property
+    def broken(self) -> list[TriangulatorError]:
+        return [error for outcome in self.outcomes for error in outcome.broken]
+
+    @property
+    def only_broken(self) -> bool:
+        """Whether every triangulator broke on every rig so far."""
+        return all(len(outcome.broken) == len(outcome.rows) for outcome in self.outcomes)
+
+    @property
     def remarks(self) -> tuple[Remark, ...]:
         """One of each code, the latest first."""
         found: dict[str, Remark] = {}
         for outcome in self.outcomes:
             found = {remark.code: remark for remark in outcome.remarks} | found
+        if self.broken:
+            found["triangulator-failed"] = self._breakage()
         return tuple(found.values())
+
+    def _breakage(self) -> Remark:
+        n = sum(len(outcome.rows) for outcome in self.outcomes)
+        why = list(dict.fromkeys(map(str, self.broken)))
+        more = f"; and {len(why) - 3} other errors" if len(why) > 3 else ""
+        have = "has" if len(self.broken) == 1 else "have"
+        said = f"{len(self.broken)} of {n} rows {have} no result: {'; '.join(why[:3])}{more}"
+        return Remark("triangulator-failed", said)
 
 
 def _run_all(
@@ -119,6 +139,9 @@ def _run_all(
     try:
         for rig, outcome in zip(todo, outcomes, strict=True):
             done.results.append((rig, outcome))
+            if done.only_broken:
+                outcomes.close()
+                raise outcome.broken[0]
             if progress:
                 progress(len(done.results))
     except KeyboardInterrupt:
@@ -141,6 +164,8 @@ def _conclude(done: _Done, plan: Plan, simulator: Simulator, lens_held: Held) ->
     table = pd.DataFrame(rows, columns=list(ROW_COLUMNS))
     depth_table = pd.DataFrame(by_depth, columns=list(DEPTH_COLUMNS))
     order = rank(table, depth_table)
+    if not order and done.broken:
+        raise done.broken[0]
     if not order:
         where = f"scene {simulator.scene.name}: "
         reasons = dict.fromkeys(why_none(one).removeprefix(where) for one in table[col.AGREEMENT])
@@ -168,6 +193,7 @@ def _conclude(done: _Done, plan: Plan, simulator: Simulator, lens_held: Held) ->
         beyond_fraction=done.beyond_fraction,
         has_two_rigs=plan.assumed is not None or plan.perturbation is not None,
         complete=done.complete,
+        broken=tuple(map(str, done.broken)),
         faults=tuple(fault for outcome in done.outcomes for fault in outcome.faults),
         remarks=done.remarks,
     )
@@ -183,8 +209,10 @@ def _showcase(simulator: Simulator, rig: StereoRig, row: int, plan: Plan) -> Sho
     noise = plan.noises[rest % len(plan.noises)]
     sensor = list(plan.sensors.values())[sensor_index]
     frame = seen.exposures[without_noise(sensor)].frame
-    _, stats = simulate(simulator, rig, truth, noise, plan, np.zeros(len(truth.visible), dtype=np.int32))
-    label = label_of(plan.triangulators[label_index])
+    method = plan.triangulators[label_index]
+    alone = replace(plan, triangulators=(method,))  # another may break here
+    _, stats = simulate(simulator, rig, truth, noise, alone, np.zeros(len(truth.visible), dtype=np.int32))
+    label = label_of(method)
     depth_rmse_m = np.full(len(truth.visible), math.nan)
     depth_rmse_m[truth.visible] = stats[label].depth_rmse_m
     return Showcase(

@@ -12,6 +12,7 @@ from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.agreement.fault import Fault
 from rigsim.study.agreement.views import views
+from rigsim.study.saying import Saying, saying
 from rigsim.study.scene.plan import Triangulator
 from rigsim.theory.triangulation import triangulate
 from rigsim.theory.uncertainty import predict_covariance
@@ -84,12 +85,8 @@ def flat(found: Array) -> Fault | None:
     same = [axis for i, axis in enumerate("XYZ") if np.ptp(known[:, i]) <= 1e-12 * np.abs(known).max()]
     if not same:
         return None
-    words = " and ".join(same)
     zero = not known[:, ["XYZ".index(axis) for axis in same]].any()
-    what = "0" if zero else "the same number"
-    return Fault(
-        "constant-coordinates", f"{words} {'comes' if len(same) == 1 else 'come'} back as {what} in every row"
-    )
+    return Fault("constant-coordinates", saying("constant-coordinates", axes=tuple(same), zero=zero))
 
 
 def without_disparity(asked: Asked, found: Array) -> Fault | None:
@@ -105,25 +102,24 @@ def without_disparity(asked: Asked, found: Array) -> Fault | None:
         return float(near.mean()) >= _MOST
 
     if is_answered(0.0, -_LIFT_PX):
-        says = "u and v are exchanged: depth follows the rows instead of the columns"
-        return Fault("row-column-exchanged", says)
+        return Fault("row-column-exchanged", saying("depth-by-rows"))
     # where the disparity is taken with the other sign, it is right again once it is turned over
     if is_answered(2 * float(np.abs(uv_left - uv_right).max()), 0.0):
         return None
-    return Fault("no-disparity", "disparities come out as 0, whatever the pixels: is one image used twice?")
+    return Fault("no-disparity", saying("no-disparity"))
 
 
-def where(asked: Asked, off: Mask) -> str:
-    """In which part of the image or of the depth the wrong rows lie; empty when in none."""
+def where(asked: Asked, off: Mask) -> Saying | None:
+    """In which part of the image or of the depth the wrong rows lie; None when in none."""
     uv_left, _ = asked.rig.project(asked.points_left)
     lens = asked.rig.left
-    candidates: tuple[tuple[str, Array, float, float, str], ...] = (
-        ("u", uv_left[:, 0], -0.5, lens.width - 0.5, "px in the left image"),
-        ("v", uv_left[:, 1], -0.5, lens.height - 0.5, "px in the left image"),
-        ("Z", asked.points_left[:, 2], 0.0, math.inf, "m"),
+    candidates: tuple[tuple[str, Array, float, float], ...] = (
+        ("u", uv_left[:, 0], -0.5, lens.width - 0.5),
+        ("v", uv_left[:, 1], -0.5, lens.height - 0.5),
+        ("Z", asked.points_left[:, 2], 0.0, math.inf),
     )
-    told: list[tuple[float, str]] = []
-    for name, values, least, most, unit in candidates:
+    told: list[tuple[float, str, Saying]] = []
+    for name, values, least, most in candidates:
         low, high = float(values[off].min()), float(values[off].max())
         outside = values[~off]
         impure = float(((outside >= low) & (outside <= high)).mean())
@@ -131,15 +127,9 @@ def where(asked: Asked, off: Mask) -> str:
             continue
         ends_low, ends_high = not (outside < low).any(), not (outside > high).any()
         low, high = max(low, least), min(high, most)
-        span = (
-            f"below {high:.4g}"
-            if ends_low
-            else f"above {low:.4g}"
-            if ends_high
-            else f"from {low:.4g} to {high:.4g}"
-        )
-        told.append((impure, f"points with {name} {span} {unit}"))
-    return min(told)[1] if told else ""
+        span = "below" if ends_low else "above" if ends_high else "between"
+        told.append((impure, name, saying(f"points: {span}", of=name, low=low, high=high)))
+    return min(told, key=lambda one: one[:2])[2] if told else None
 
 
 def scatter(asked: Asked, noise: PixelNoise) -> Fault | None:
@@ -154,7 +144,7 @@ def scatter(asked: Asked, noise: PixelNoise) -> Fault | None:
     found = triangulate(asked.rig, noisy_left.reshape(-1, 2), noisy_right.reshape(-1, 2), asked.method)
     lost = float((~np.isfinite(found).all(axis=1)).mean())
     if lost > _LOST:
-        return Fault("lost-points", f"{percent(lost)} of the points come back as NaN once there is noise")
+        return Fault("lost-points", saying("lost-points: with noise", share=lost))
     seen = views(found).reshape(TRIALS, -1, 3)
     error = seen - np.nanmean(seen, axis=0)
     covariance = np.linalg.inv(asked.whitening.transpose(0, 2, 1) @ asked.whitening)
@@ -166,28 +156,10 @@ def scatter(asked: Asked, noise: PixelNoise) -> Fault | None:
     if max(widest - 1, 1 - narrowest) <= _SPREAD:
         return None
     if abs(depth - 1) <= _SPREAD and abs(column - 1) <= _SPREAD:
-        wide = f"Y scatters {row:#.3g} times as wide as the noise makes it"
         if row < 1:
-            return Fault("too-little-scatter", wide, row)
-        wasted = (
-            "one image's rows are not used" if row > _ONE_IMAGE else "part of what the rows say is wasted"
-        )
-        return Fault("rows-wasted", f"{wide}: {wasted}", row)
-    if times < 1:
-        return Fault(
-            "too-little-scatter",
-            f"errors scatter only {times:#.3g} times as wide as noise of {noise.std_px:g} px makes "
-            "them: answers are averaged or drawn to a prior, or the truth leaks in",
-            times,
-        )
-    return Fault(
-        "too-much-scatter",
-        f"errors scatter {times:#.3g} times as wide as noise of {noise.std_px:g} px makes them, as noise of "
-        f"{times * noise.std_px:.3g} px would: noise is added, or part of what the pixels say is wasted",
-        times,
-    )
-
-
-def percent(share: float) -> str:
-    """A share as people say it."""
-    return f"{share * 100:.0f} %" if share >= 0.1 else f"{share * 100:.2g} %"
+            return Fault("too-little-scatter", saying("scatter-of-Y", times=row), row)
+        form = "scatter-of-Y: one image" if row > _ONE_IMAGE else "scatter-of-Y: a part"
+        return Fault("rows-wasted", saying(form, times=row), row)
+    name = "too-little-scatter" if times < 1 else "too-much-scatter"
+    as_px = times * noise.std_px
+    return Fault(name, saying(name, times=times, noise_px=noise.std_px, as_px=as_px), times)

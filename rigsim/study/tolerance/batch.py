@@ -10,9 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from rigsim.rig.arrays import Array
-from rigsim.rig.lens.distortion import BrownConrady
+from rigsim.rig.lens.lens import Lens
 from rigsim.rig.perturbation import NAMES
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.tolerance.lenses import distort, slopes, undistort, with_k1
 
 PARAMETERS = (*NAMES, "right_cy_px", "both_focal_px")
 """What a rig of a batch may be off by: `Perturbation`'s ten quantities, the right principal point's v, px,
@@ -55,10 +56,9 @@ class RigBatch:
         self.fx, self.fy = rig.right.fx * longer + longer_right, rig.right.fy * longer + longer_right
         self.cx = rig.right.cx + value["right_cx_px"][:, None]
         self.cy = rig.right.cy + value["right_cy_px"][:, None]
-        self._d_left = rig.left.distortion or BrownConrady()
-        self._d_right = rig.right.distortion or BrownConrady()
-        self._k1_left = self._d_left.k1 + value["both_k1"][:, None]
-        self._k1_right = self._d_right.k1 + (value["both_k1"] + value["right_k1"])[:, None]
+        both_k1, right_k1 = value["both_k1"][:, None], value["right_k1"][:, None]
+        self._d_left, self._k1_left = with_k1(rig.left.distortion, both_k1)
+        self._d_right, self._k1_right = with_k1(rig.right.distortion, both_k1 + right_k1)
         self._distorts_left = rig.left.distortion is not None or bool(self._k1_left.any())
         self._distorts_right = rig.right.distortion is not None or bool(self._k1_right.any())
 
@@ -70,7 +70,7 @@ class RigBatch:
         with np.errstate(all="ignore"):
             x, y = (points_left[:, :2] / np.where(points_left[:, 2:] > 0, points_left[:, 2:], np.nan)).T
             if self._distorts_left:
-                x, y = _distort(x[None], y[None], self._k1_left, self._d_left)
+                x, y = distort(x[None], y[None], self._k1_left, self._d_left)
             pixels[0], pixels[1] = self.left_fx * x + left.cx, self.left_fy * y + left.cy
             seen = self.R @ points_left.T
             seen += self.t[:, :, None]
@@ -78,7 +78,7 @@ class RigBatch:
             z[~(z > 0)] = np.nan
             x, y = seen[:, 0] / z, seen[:, 1] / z
             if self._distorts_right:
-                x, y = _distort(x, y, self._k1_right, self._d_right)
+                x, y = distort(x, y, self._k1_right, self._d_right)
             np.add(np.multiply(x, self.fx, out=pixels[2]), self.cx, out=pixels[2])
             np.add(np.multiply(y, self.fy, out=pixels[3]), self.cy, out=pixels[3])
         return pixels
@@ -96,14 +96,14 @@ class RigBatch:
         x, y = (pixels[0] - left.cx) / self.left_fx, (pixels[1] - left.cy) / self.left_fy
         if not self._distorts_left:
             return x, y
-        return _undistort(x, y, start.left, self._k1_left, self._d_left, steps)
+        return undistort(x, y, start.left, self._k1_left, self._d_left, steps)
 
     def rays_right(self, pixels: Array, start: Rays, steps: int = 3) -> tuple[Array, Array]:
         """The right half of `rays`."""
         x, y = (pixels[2] - self.cx) / self.fx, (pixels[3] - self.cy) / self.fy
         if not self._distorts_right:
             return x, y
-        return _undistort(x, y, start.right, self._k1_right, self._d_right, steps)
+        return undistort(x, y, start.right, self._k1_right, self._d_right, steps)
 
     def epipolar_error_px(self, rays: Rays) -> Array:
         """Signed distance (n, m) px from the epipolar constraint, to first order (Sampson): its standard
@@ -182,7 +182,8 @@ def read_rays_near(rig: StereoRig, pixels: Array, points_left: Array) -> Rays:
         x, y = read(pixels, Rays(start, start), _NEAR_STEPS)
         if camera.distortion is not None:
             with np.errstate(all="ignore"):
-                seen_x, seen_y = _distort(x, y, np.array(camera.distortion.k1), camera.distortion)
+                lens, k1 = with_k1(camera.distortion, np.zeros(1))
+                seen_x, seen_y = distort(x, y, k1, lens)
                 off_x = seen_x * camera.fx + camera.cx - pixels[place]
                 off_y = seen_y * camera.fy + camera.cy - pixels[place + 1]
                 lost = ~(off_x * off_x + off_y * off_y < _NEAR_PX**2)
@@ -196,16 +197,16 @@ def _steepest(
     per_v: Array,
     aspect: Array | float,
     ideal: tuple[Array, Array],
-    lens: tuple[Array, BrownConrady] | None,
+    lens: tuple[Array, Lens] | None,
 ) -> tuple[Array, Array]:
     """Move of the ideal pixel when the seen one follows the constraint's slope: ``D^-1 D^-T`` times
     that slope in ideal pixels, D the lens's derivative and `aspect` fy over fx."""
     if lens is None:
         return per_u, per_v
-    xx, yy, xy = _slopes(*ideal, *lens)
-    # D in pixels: d u / d v ideal is xy fx / fy, d v / d u ideal is xy fy / fx
-    uv, vu = xy / aspect, xy * aspect
-    det = xx * yy - xy * xy
+    xx, yy, xy, yx = slopes(*ideal, *lens)
+    # D in pixels: d u / d v ideal is xy fx / fy, d v / d u ideal is yx fy / fx
+    uv, vu = xy / aspect, yx * aspect
+    det = xx * yy - xy * yx
     seen_u, seen_v = (yy * per_u - vu * per_v) / det, (xx * per_v - uv * per_u) / det
     return (yy * seen_u - uv * seen_v) / det, (xx * seen_v - vu * seen_u) / det
 
@@ -226,51 +227,4 @@ def _rotations(rotvecs: Array) -> Array:
     k[:, 1, 0], k[:, 2, 0], k[:, 2, 1] = z, -y, x
     return np.asarray(
         np.eye(3) + np.sinc(angle / np.pi) * k + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * k @ k
-    )
-
-
-def _distort(x: Array, y: Array, k1: Array, lens: BrownConrady) -> tuple[Array, Array]:
-    """Distorted positions; as `BrownConrady.distort`, with a k1 for every rig."""
-    r2 = x * x + y * y
-    radial = 1 + r2 * (k1 + r2 * (lens.k2 + r2 * lens.k3))
-    falls = 1 + r2 * (3 * k1 + r2 * (5 * lens.k2 + 7 * r2 * lens.k3)) <= 0
-    radial[falls] = np.nan
-    if lens.p1 == lens.p2 == 0.0:
-        return x * radial, y * radial
-    return (
-        x * radial + 2 * lens.p1 * x * y + lens.p2 * (r2 + 2 * x * x),
-        y * radial + lens.p1 * (r2 + 2 * y * y) + 2 * lens.p2 * x * y,
-    )
-
-
-def _undistort(
-    x: Array, y: Array, start: tuple[Array, Array], k1: Array, lens: BrownConrady, steps: int
-) -> tuple[Array, Array]:
-    """Newton from `start`, which a small change of the lens has put off by little."""
-    ideal_x, ideal_y = start
-    for _ in range(steps):
-        with np.errstate(all="ignore"):
-            ideal_x, ideal_y = _newton(x, y, ideal_x, ideal_y, k1, lens)
-    return ideal_x, ideal_y
-
-
-def _newton(
-    x: Array, y: Array, ideal_x: Array, ideal_y: Array, k1: Array, lens: BrownConrady
-) -> tuple[Array, Array]:
-    off_x, off_y = _distort(ideal_x, ideal_y, k1, lens)
-    off_x, off_y = off_x - x, off_y - y
-    xx, yy, xy = _slopes(ideal_x, ideal_y, k1, lens)
-    det = xx * yy - xy * xy
-    return ideal_x - (yy * off_x - xy * off_y) / det, ideal_y - (xx * off_y - xy * off_x) / det
-
-
-def _slopes(x: Array, y: Array, k1: Array, lens: BrownConrady) -> tuple[Array, Array, Array]:
-    """Derivative of `_distort`, a symmetric matrix: its xx, yy and xy; as `BrownConrady.jacobian`."""
-    r2 = x * x + y * y
-    radial = 1 + r2 * (k1 + r2 * (lens.k2 + r2 * lens.k3))
-    slope = 2 * (k1 + r2 * (2 * lens.k2 + 3 * r2 * lens.k3))
-    return (
-        radial + x * x * slope + 2 * lens.p1 * y + 6 * lens.p2 * x,
-        radial + y * y * slope + 6 * lens.p1 * y + 2 * lens.p2 * x,
-        x * y * slope + 2 * lens.p1 * x + 2 * lens.p2 * y,
     )

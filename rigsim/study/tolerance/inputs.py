@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from rigsim.errors import InvalidRange
+from rigsim.errors import InvalidRange, InvalidRig
 from rigsim.rig.arrays import Array, Mask
+from rigsim.rig.lens.distortion import are_brown
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance.batch import PARAMETERS
 
@@ -170,8 +171,14 @@ def causes(rig: StereoRig, tolerances: Tolerances) -> Causes:
 
     Raises:
         InvalidRange: none is.
+        InvalidRig: a k1 is, and a lens of the rig has none.
     """
     keys = tuple(key for key in QUANTITIES if getattr(tolerances, key) > 0)
+    for key in keys:
+        for lens in (rig.left.distortion, rig.right.distortion):
+            if key.endswith("k1") and lens is not None and not are_brown(lens):
+                what = f"tolerance of {QUANTITIES[key]} {getattr(tolerances, key):g}"
+                raise InvalidRig(f"{what}: lens {lens.said} has no k1: set the tolerances of k1 to 0")
     if not keys:
         raise InvalidRange("tolerances: all are 0; give a class or at least one tolerance > 0")
     return Causes(

@@ -56,7 +56,7 @@ def expect(build: Build, required: BuildRequirement, range_m: tuple[float, float
     off = causes(build.rig, build.tolerances)
     points = shared_points(build.rig, required.depth_m, _POINTS)
     judge = make_judge(build.rig, points, required, build.noise_px)
-    slopes = depth_slopes(build.rig, points)
+    slopes = depth_slopes(build.rig, points, off)
     rng = np.random.default_rng(seed)
     drawn = draw(off, _RIGS, rng) * off.std
     late = off.after_calibration

@@ -5,14 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from rigsim.study.tolerance import columns as col
 from rigsim.study.tolerance.run import ToleranceResult
 from rigsim.study.tolerance.sensitivities import UNITS, Sensitivity
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-
-from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,18 +17,13 @@ def tolerance_table(result: ToleranceResult) -> pd.DataFrame:
     """One row a quantity, the worst first; the columns of docs/reference/tolerance.md."""
     import pandas as pd  # a document needs none of it
 
-    distances = [item.depth_m * 1e3 for item in result.depths]
+    names = [col.at_distance(item.depth_m * 1e3).name for item in result.depths]
     return pd.DataFrame(
         [
             {
                 **quantity_head(result, item),
-                **{
-                    f"depth_error_at_{distance:.10g}_mm": error
-                    for distance, error in zip(distances, item.depth_rms_mm, strict=True)
-                },
+                **dict(zip(names, item.depth_rms_mm, strict=True)),
                 **quantity_rest(result, item),
-                "needed_alone": item.needed_alone,
-                "needed_equal_share": item.needed_equal_share,
             }
             for item in result.sensitivities
         ]
@@ -44,27 +34,27 @@ def quantity_head(result: ToleranceResult, item: Sensitivity) -> dict[str, Any]:
     """What a quantity is and is held to."""
     given = result.tolerances
     return {
-        "quantity": item.key,
-        "unit": UNITS[item.key],
-        "tolerance": item.tolerance,
-        "form": "bound" if given.is_bound(item.key) else "std",
-        "source": given.source(item.key),
+        col.QUANTITY: item.key,
+        col.UNIT: UNITS[item.key],
+        col.TOLERANCE: item.tolerance,
+        col.FORM: "bound" if given.is_bound(item.key) else "std",
+        col.SOURCE: given.source(item.key),
     }
 
 
 def quantity_rest(result: ToleranceResult, item: Sensitivity) -> dict[str, Any]:
-    """What a quantity does to the depth."""
+    """What a quantity does to the depth, and what it takes; infinite where any tolerance does."""
     found: dict[str, Any] = {
-        "common_mm": item.common_mm,
-        "differing_mm": item.differing_mm,
-        "variance_share": item.share,
+        col.COMMON: item.common_mm,
+        col.DIFFERING: item.differing_mm,
+        col.VARIANCE_SHARE: item.share,
     }
     both = result.interactions
     place = 0 if both is None else both.place(item.key)
-    for name, indices in (
-        ("sobol", None if both is None else both.error),
-        ("sobol_bias", None if both is None else both.bias),
+    for names, indices in (
+        (col.SOBOL, None if both is None else both.error),
+        (col.SOBOL_BIAS, None if both is None else both.bias),
     ):
-        for kind in ("first", "first_se", "total", "total_se"):
-            found[f"{name}_{kind}"] = None if indices is None else float(getattr(indices, kind)[place])
-    return found
+        for kind, name in names.items():
+            found[name] = None if indices is None else float(getattr(indices, kind)[place])
+    return found | {col.NEEDED_ALONE: item.needed_alone, col.NEEDED_EQUAL_SHARE: item.needed_equal_share}

@@ -9,6 +9,7 @@ import numpy as np
 
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.saying import Saying
 
 CaseKind: TypeAlias = Literal["exact", "noisy", "measured", "nowhere"]
 """What a case asks: the point itself, an error of the size that noise allows, the same for pixels that
@@ -25,8 +26,8 @@ class Case:
     """What cases of one geometry share, as ``verged``."""
     kind: CaseKind
     """What must hold."""
-    about: str
-    """What it shows, in a sentence or two that stand alone."""
+    about: Saying
+    """What it shows."""
     rig: StereoRig
     """The rig that the triangulator is given."""
     uv_left: Array

@@ -16,6 +16,7 @@ from scipy import stats
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.stereo import StereoRig
 from rigsim.statistics import rms
+from rigsim.study.saying import saying
 from rigsim.study.verify.bound import bound, depth_reach
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.result import Check
@@ -120,23 +121,19 @@ def _nowhere(case: Case, found_left: Array, rows: Mask) -> Check:
         0.0,
         0.0,
         "rows",
-        "Rows without a point in front of both cameras must be NaN, behind a camera or infinitely far, and "
-        "NaN where a pixel is; these came back as points.",
+        saying("nowhere"),
     )
 
 
 def _answered(case: Case, truth: Array, answered: Mask, false_alarm: float) -> Check:
     """Rows with an answer that came back as none, against how many the noise pushes behind a camera."""
     high = 0.0
-    why = "Every row has an answer in front of both cameras."
+    why = saying("answered")
     if case.kind == "noisy" and case.covariance_px2 is not None:
         sigma_px = math.sqrt(float(np.ravel(case.covariance_px2)[0]))
         expected = float(stats.norm.sf(depth_reach(case.rig, truth, sigma_px)).sum())
         high = float(stats.poisson.isf(false_alarm, FIRST_ORDER * expected)) if expected > 0 else 0.0
-        why = (
-            f"{expected:.2g} rows are expected to be pushed beyond infinity by noise alone; "
-            "a Poisson quantile of a fifth more bounds them, as that number is of first order."
-        )
+        why = saying("answered: noisy", expected=expected)
     return Check("answered", float((~answered).sum()), 0.0, high, "rows", why)
 
 
@@ -151,8 +148,7 @@ def _exact(case: Case, truth: Array, found: Array, gain: Array) -> Check:
         0.0,
         float(allowed[worst]),
         "m",
-        f"Largest distance to the true point over {len(truth)} rows; allowed is 1e-9 of the distance "
-        "(of a metre when nearer) and what rounding a pixel to double precision costs.",
+        saying("exact", rows=len(truth)),
     )
 
 
@@ -178,9 +174,7 @@ def _noisy(
             math.sqrt(low),
             worst * math.sqrt(high),
             "",
-            "Root mean square pixel error over what the noise must cause (the Cramer-Rao bound): less than "
-            f"its chi-squared interval over {n} rows is too good to be true, more than {worst:g} times it a "
-            "triangulator that wastes what the pixels say.",
+            saying("size", rows=n, worst=worst),
         ),
         _noisy_depth(truth, found, sigma_px * np.linalg.norm(gain[:, 2], axis=1), false_alarm),
         _unbiased(case, truth, error_px, sigma_px, false_alarm),
@@ -190,7 +184,7 @@ def _noisy(
             0.0,
             math.sqrt(high),
             "",
-            "The same as size, against the chi-squared quantile alone: only least squares passes.",
+            saying("efficient"),
             only_strict=True,
         ),
     ]
@@ -206,7 +200,7 @@ def _noisy_depth(truth: Array, found: Array, depth_std_m: Array, false_alarm: fl
         0.0,
         worst * math.sqrt(float(stats.chi2.isf(false_alarm, n)) / n),
         "",
-        f"Root mean square depth error over its bound; at most {worst:g} times a chi-squared quantile.",
+        saying("depth", worst=worst),
     )
 
 
@@ -221,8 +215,7 @@ def _unbiased(case: Case, truth: Array, error_px: Array, sigma_px: float, false_
         0.0,
         math.sqrt(float(stats.chi2.isf(false_alarm, 3)) / n) + second_order,
         "sigma",
-        f"Mean error of {n} rows in standard deviations of one: a chi-squared quantile, and the second "
-        "order of the noise.",
+        saying("unbiased", rows=n),
     )
 
 
@@ -236,13 +229,9 @@ def _measured(
     inverse_depth = (1 / found[:, 2] - 1 / truth[:, 2]) * truth[:, 2] ** 2
     depth = rms(inverse_depth) / rms(due_m[:, 2])
     worst = WORST_EFFICIENCY
-    why = (
-        "over what the errors of these very pixels become in a least-squares triangulation; "
-        f"more than {worst:g} times it, or less than its inverse, is not their doing."
-    )
     return size, [
-        Check("size", size, 1 / worst, worst, "", f"Root mean square pixel error of the points, {why}"),
-        Check("depth", depth, 1 / worst, worst, "", f"Root mean square depth error, {why}"),
+        Check("size", size, 1 / worst, worst, "", saying("size: measured", worst=worst)),
+        Check("depth", depth, 1 / worst, worst, "", saying("depth: measured", worst=worst)),
     ]
 
 

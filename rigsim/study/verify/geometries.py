@@ -10,6 +10,7 @@ from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.saying import Saying, saying
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,12 +23,17 @@ class Geometry:
     """The rig."""
     range_m: tuple[float, float]
     """Nearest and farthest depth, m."""
-    about: str
-    """What it shows, one sentence."""
     noise_px: float = 0.25
     """Standard deviation per coordinate of the noisy case, px."""
     least_parallax_px: float = 0.0
     """Least parallax of a point, px: what moves along an epipolar line by less is not asked for."""
+    kind: str = ""
+    """What it shows, where that is not in its name: ``random``."""
+
+    @property
+    def about(self) -> Saying:
+        """What it shows."""
+        return saying(self.kind or self.name)
 
 
 def _turned(rotation_deg: tuple[float, float, float], centre_right_m: tuple[float, float, float]) -> Pose:
@@ -57,62 +63,52 @@ GEOMETRIES: tuple[Geometry, ...] = (
         "rectified",
         StereoRig.rectified(_HD, 0.12),
         (0.5, 8.0),
-        "Parallel cameras, equal lenses: Z = f B / d, in the left camera's frame.",
     ),
     Geometry(
         "doffs",
         StereoRig.rectified(_HD, 0.12, right=replace(_HD, cx=_HD.cx + 37.5)),
         (0.5, 8.0),
-        "Rectified, but the principal points differ: doffs must be added to every disparity.",
     ),
     Geometry(
         "off-centre",
         StereoRig.rectified(Intrinsics(1280, 720, 900.0, 900.0, 560.25, 420.75), 0.12),
         (0.5, 8.0),
-        "The principal point is not the middle of the image.",
     ),
     Geometry(
         "non-square",
         StereoRig.rectified(Intrinsics(1280, 720, 960.0, 720.0, 639.5, 359.5), 0.12),
         (0.5, 8.0),
-        "Pixels that are not square: fx and fy differ.",
     ),
     Geometry(
         "near",
         StereoRig.rectified(Intrinsics.from_focal(1280, 960, 700.0), 0.06),
         (0.08, 0.3),
-        "So near that the disparity is half the image.",
     ),
     Geometry(
         "far",
         StereoRig.rectified(Intrinsics.from_focal(1920, 1080, 1400.0), 0.10),
         (40.0, 1200.0),
-        "So far that the disparity is a tenth of a pixel: single precision and clamps show here.",
         noise_px=0.01,
     ),
     Geometry(
         "verged",
         StereoRig.verged(_HD, 0.30, 20.0),
         (0.5, 2.5),
-        "Cameras that toe in by 20 deg: rows do not correspond, and Z = f B / d does not hold.",
     ),
     Geometry(
         "rolled",
         StereoRig(_HD, _HD, _turned((9.0, -6.0, 14.0), (0.20, 0.05, -0.08))),
         (0.6, 4.0),
-        "The right camera turned about all axes and off the x axis: R, its transpose and its inverse differ.",
     ),
     Geometry(
         "vertical",
         StereoRig(_HD, _HD, _turned((0.0, 0.0, 0.0), (0.0, 0.15, 0.0))),
         (0.5, 6.0),
-        "One camera below the other: the parallax lies along v.",
     ),
     Geometry(
         "forward",
         StereoRig(_HD, _HD, _turned((1.0, 2.0, -1.0), (0.03, -0.02, 0.35))),
         (1.0, 5.0),
-        "The second camera ahead of the first: parallax grows away from the epipole in the picture.",
         least_parallax_px=8.0,
     ),
     Geometry(
@@ -123,7 +119,6 @@ GEOMETRIES: tuple[Geometry, ...] = (
             _turned((0.5, -3.0, 1.0), (0.18, -0.01, 0.02)),
         ),
         (0.6, 5.0),
-        "Two different cameras: each pixel belongs with its own K.",
     ),
     Geometry(
         "distorted",
@@ -133,7 +128,6 @@ GEOMETRIES: tuple[Geometry, ...] = (
             _turned((0.4, -2.0, 0.8), (0.15, 0.004, -0.006)),
         ),
         (0.5, 5.0),
-        "Lenses that distort, each its own way: pixels are as they were seen and must be undistorted once.",
     ),
     Geometry(
         "pincushion",
@@ -143,61 +137,51 @@ GEOMETRIES: tuple[Geometry, ...] = (
             _turned((-0.6, 1.0, -0.4), (0.14, 0.003, 0.005)),
         ),
         (0.5, 5.0),
-        "Lenses that bend outwards: the signs of all terms are the other way round.",
     ),
     Geometry(
         "toe-out",
         StereoRig.verged(_HD, 0.30, -12.0),
         (1.0, 6.0),
-        "Cameras that turn away from each other: infinity has a disparity below zero.",
     ),
     Geometry(
         "convergent",
         StereoRig(_HD, _HD, _aimed((1.5, 0.1, 0.6), (0.05, 0.0, 1.6), roll_deg=4.0)),
         (1.0, 2.4),
-        "Cameras that look at one place from two sides, turned by more than 50 deg against each other.",
     ),
     Geometry(
         "from the side",
         StereoRig(_HD, _HD, _aimed((-2.0, -0.15, 2.1), (0.0, 0.0, 2.0), roll_deg=-7.0)),
         (1.4, 2.8),
-        "The second camera looks in from the left, at right angles.",
     ),
     Geometry(
         "left-handed",
         StereoRig(_HD, _HD, _turned((0.5, -1.0, 0.8), (-0.18, 0.01, -0.01))),
         (0.6, 5.0),
-        "The right camera stands on the left side: disparities are negative, depths are not.",
     ),
     Geometry(
         "upside-down",
         StereoRig(_HD, _HD, _turned((1.0, -2.0, 172.0), (0.2, 0.03, -0.02))),
         (0.6, 5.0),
-        "The right camera hangs upside down: its pixels run the other way.",
     ),
     Geometry(
         "on its side",
         StereoRig(_HD, replace(_HD, width=720, height=1280), _turned((-1.0, 2.0, 93.0), (0.15, 0.06, 0.01))),
         (0.6, 5.0),
-        "The right camera stands on its side, its pictures are upright.",
     ),
     Geometry(
         "portrait",
         StereoRig.rectified(Intrinsics(720, 1280, 880.0, 940.0, 371.5, 610.25), 0.10),
         (0.4, 6.0),
-        "Upright pictures with pixels that are not square.",
     ),
     Geometry(
         "diagonal",
         StereoRig(_HD, _HD, _turned((0.0, 0.0, 0.0), (0.11, -0.13, 0.0))),
         (0.5, 6.0),
-        "One camera above the other and beside it: the parallax lies along both axes.",
     ),
     Geometry(
         "backward",
         StereoRig(_HD, _HD, _turned((-1.0, -1.5, 2.0), (-0.04, 0.03, -0.4))),
         (1.0, 5.0),
-        "The second camera behind the first.",
         least_parallax_px=8.0,
     ),
     Geometry(
@@ -208,7 +192,6 @@ GEOMETRIES: tuple[Geometry, ...] = (
             _turned((0.2, -0.7, 0.3), (0.12, -0.002, 0.003)),
         ),
         (0.5, 6.0),
-        "Two lenses of one kind, 2 % apart, and cameras turned by less than a degree.",
     ),
     Geometry(
         "wide",
@@ -218,7 +201,6 @@ GEOMETRIES: tuple[Geometry, ...] = (
             _turned((0.3, 1.5, -0.5), (0.10, 0.0, 0.0)),
         ),
         (0.2, 3.0),
-        "A field of view of 116 deg: rays up to 63 deg off the axis.",
     ),
     Geometry(
         "close-up",
@@ -228,7 +210,6 @@ GEOMETRIES: tuple[Geometry, ...] = (
             _turned((0.0, -4.0, 0.0), (0.002, 0.0, 0.0)),
         ),
         (0.012, 0.05),
-        "A rig of 2 mm that looks at 12 to 50 mm: what is small in metres is not small here.",
     ),
     Geometry(
         "aerial",
@@ -238,7 +219,6 @@ GEOMETRIES: tuple[Geometry, ...] = (
             _turned((0.6, -0.9, 1.2), (42.0, 1.5, -2.0)),
         ),
         (250.0, 2000.0),
-        "Pictures from two places of an aircraft, 42 m apart.",
     ),
     Geometry(
         "remote",
@@ -248,7 +228,6 @@ GEOMETRIES: tuple[Geometry, ...] = (
             _turned((0.02, -0.05, 0.03), (3.0, 0.0, 0.02)),
         ),
         (1500.0, 15_000.0),
-        "Points kilometres away, seen by a rig of 3 m through long lenses.",
         noise_px=0.02,
     ),
 )
@@ -282,6 +261,6 @@ def random_geometry(number: int, rng: np.random.Generator) -> Geometry:
         f"random {number}",
         StereoRig(lens(), lens(), pose),
         (0.8 * size, 4.0 * size),
-        "A rig drawn at random: lenses, size, rotation and direction of the baseline.",
         least_parallax_px=8.0,
+        kind="random",
     )

@@ -11,6 +11,7 @@ from rigsim.rig.presets import PRESETS
 from rigsim.rig.sensor import Sensor
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import SUPERSAMPLE, Simulator
+from rigsim.study.saying import saying
 from rigsim.study.scene.pictures import expose_pair
 from rigsim.study.scene.third_witness import measure
 from rigsim.study.verify.case import Case
@@ -53,8 +54,7 @@ def scene_cases(simulator: Simulator, rig: StereoRig, n: int, stream: Stream) ->
         f"{scene} exact",
         scene,
         "exact",
-        f"Surfaces of the scene {scene}, where both cameras see them; {hidden} of {len(truth.points_left)} "
-        "points are hidden from the right camera and left out.",
+        saying("surfaces", scene=scene, hidden=hidden, points=len(truth.points_left)),
         rig,
         uv_left,
         uv_right,
@@ -66,8 +66,7 @@ def scene_cases(simulator: Simulator, rig: StereoRig, n: int, stream: Stream) ->
         f"{scene} noisy",
         scene,
         "noisy",
-        f"Surfaces of the scene {scene}, where both cameras see them, with {NOISE_PX:g} px of noise in every "
-        "coordinate: errors must be of the size that it causes.",
+        saying("surfaces: noisy", scene=scene, noise_px=NOISE_PX),
         rig,
         noisy_left,
         noisy_right,
@@ -94,8 +93,7 @@ def measured_case(simulator: Simulator, rig: StereoRig, method: str, stream: Str
         f"{scene} {method}",
         scene,
         "measured",
-        f"Pixels that were found in the rendered pictures of {scene} ({method}), with the errors that lens, "
-        "sensor and matcher give them.",
+        saying("pictures", scene=scene, method=method),
         rig,
         found.uv_left[kept],
         found.uv_right[kept],

@@ -7,6 +7,7 @@ from typing import Literal, TypeAlias
 
 from rigsim.errors import TriangulatorReason
 from rigsim.rig.arrays import Array
+from rigsim.study.saying import Saying
 from rigsim.study.verify.case import Case
 
 Status: TypeAlias = Literal["passed", "inefficient", "failed", "error", "not applicable"]
@@ -32,7 +33,7 @@ class Check:
     """Most that passes."""
     unit: CheckUnit
     """Unit of the three numbers; empty for ratios."""
-    why: str
+    why: Saying
     """Where the bounds come from, and what the value means."""
     only_strict: bool = False
     """Whether leaving the interval is a matter of efficiency alone."""
@@ -106,14 +107,19 @@ class CaseResult:
 class Diagnosis:
     """A mistake that would explain what was found."""
 
-    mistake: str
-    """Stable short name, as ``swapped-cameras``."""
-    says: str
-    """What it is, and where one would look, one sentence."""
+    said: Saying
+    """What it is; `rigsim.present.kit.mistakes` has the words."""
     explained: float
     """Share of the error that goes away when the mistake is supposed, 0 to 1."""
     cases: tuple[str, ...]
     """Failing cases that it explains."""
+    only: Saying | None = None
+    """Which rigs bring it out; None where all do."""
+
+    @property
+    def mistake(self) -> str:
+        """Stable short name, as ``swapped-cameras``."""
+        return self.said.subject
 
 
 @dataclass(frozen=True, slots=True, eq=False)

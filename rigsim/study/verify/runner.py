@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from rigsim.errors import TriangulatorError
+from rigsim.study.saying import saying
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.checks import judge, statistical_checks
 from rigsim.study.verify.diagnosis.diagnosis import diagnose
@@ -98,7 +99,7 @@ def _notes(function: TriangulatorFunction) -> tuple[str, ...]:
 
 def _shape(n: int) -> Check:
     """What an empty case holds a triangulator to, once it has come back in shape."""
-    return Check("shape", 0.0, 0.0, 0.0, "", f"The answer has shape ({n}, 3).")
+    return Check("shape", 0.0, 0.0, 0.0, "", saying("shape", rows=n))
 
 
 def not_applicable(label: str, case: Case) -> str:

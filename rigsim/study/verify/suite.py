@@ -127,7 +127,6 @@ def own_geometry(rig: StereoRig) -> Geometry:
         "your rig",
         rig,
         (reach / (_NEAREST_DISPARITY * rig.left.width), reach / _FARTHEST_PX),
-        "The rig that was given.",
     )
 
 

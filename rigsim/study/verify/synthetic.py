@@ -13,6 +13,7 @@ from rigsim.errors import InvalidRange
 from rigsim.rig.arrays import Array
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.saying import saying
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.geometries import GEOMETRIES, Geometry
 from rigsim.theory.uncertainty import parallax_px
@@ -75,8 +76,7 @@ def noisy(geometry: Geometry, n: int, rng: np.random.Generator) -> Case:
         f"{geometry.name} noisy",
         geometry.name,
         "noisy",
-        f"{geometry.about} With {geometry.noise_px:g} px of noise in every coordinate, errors must be of the "
-        "size that it causes.",
+        saying("noisy", geometry=geometry.about, noise_px=geometry.noise_px),
         geometry.rig,
         uv_left,
         uv_right,
@@ -96,7 +96,7 @@ def degenerate(n: int, rng: np.random.Generator) -> Iterator[Case]:
         "behind",
         "nowhere",
         "nowhere",
-        "Lines of sight that meet behind the cameras: there is no point to be seen.",
+        saying("behind"),
         verged.rig,
         uv_left,
         uv_right,
@@ -107,7 +107,7 @@ def degenerate(n: int, rng: np.random.Generator) -> Iterator[Case]:
         "identical images",
         "nowhere",
         "nowhere",
-        "The left image twice: parallel lines of sight meet at infinity.",
+        saying("identical images"),
         parallel.rig,
         uv_left,
         uv_left,
@@ -117,7 +117,7 @@ def degenerate(n: int, rng: np.random.Generator) -> Iterator[Case]:
         "swapped images",
         "nowhere",
         "nowhere",
-        "Left image given as the right one: every disparity is negative, so nothing lies in front.",
+        saying("swapped images"),
         parallel.rig,
         uv_right,
         uv_left,
@@ -129,15 +129,12 @@ def degenerate(n: int, rng: np.random.Generator) -> Iterator[Case]:
         whole,
         name="missing pixels",
         group="rows",
-        about="Every third right pixel is NaN: those rows must be NaN, and the others must not move.",
+        about=saying("missing pixels"),
         uv_right=np.where(lost[:, None], np.nan, whole.uv_right),
         points_left=np.where(lost[:, None], np.nan, whole.points_left),
     )
-    for size, name, about in (
-        (0, "no pixels", "No pixels at all: the answer has shape (0, 3)."),
-        (1, "one pixel pair", "A single row: the answer has shape (1, 3)."),
-    ):
-        yield replace(exact(verged, size, rng), name=name, group="rows", about=about)
+    for size, name in ((0, "no pixels"), (1, "one pixel pair")):
+        yield replace(exact(verged, size, rng), name=name, group="rows", about=saying(name))
 
 
 def special_rows(many: int, rng: np.random.Generator) -> Iterator[Case]:
@@ -165,7 +162,7 @@ def special_rows(many: int, rng: np.random.Generator) -> Iterator[Case]:
         "on the axes",
         "rows",
         "exact",
-        "Pixels on a principal point, or in its row or column: x, y or both are 0 there.",
+        saying("on the axes"),
         rig,
         uv_left[seen],
         uv_right[seen],
@@ -175,7 +172,7 @@ def special_rows(many: int, rng: np.random.Generator) -> Iterator[Case]:
         exact(by_name["unequal"], many, rng),
         name="many rows",
         group="rows",
-        about="So many rows that a triangulator may take them in pieces; the last one counts like the first.",
+        about=saying("many rows"),
     )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from rigsim.errors import InvalidRange
 from rigsim.rig.arrays import Array
+from rigsim.rig.lens.distortion import are_brown
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance.batch import PARAMETERS
 from rigsim.study.tolerance.recalibration.compensator import Compensator
@@ -130,8 +131,9 @@ def wide_std(rig: StereoRig) -> Array:
     """What is known of any pair of cameras beforehand, as standard deviations (12,) of `PARAMETERS`.
 
     By eye: 10 deg of any angle, half the baseline of any shift, 30 % of focal lengths, a tenth of the image
-    for principal points, 0.5 for k1. Hundreds of times what a calibration leaves.
+    for principal points, 0.5 for k1 of lenses that have one. Hundreds of times what a calibration leaves.
     """
+    k1 = 0.5 if are_brown(rig.left.distortion, rig.right.distortion) else 0.0
     angle, shift, width = math.radians(10), rig.baseline_m / 2, rig.right.width / 10
     wide = {
         "yaw_rad": angle,
@@ -144,7 +146,7 @@ def wide_std(rig: StereoRig) -> Array:
         "both_focal_px": 0.3 * rig.left.fx,
         "right_cx_px": width,
         "right_cy_px": width,
-        "right_k1": 0.5,
-        "both_k1": 0.5,
+        "right_k1": k1,
+        "both_k1": k1,
     }
     return np.array([wide[name] for name in PARAMETERS])

@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rigsim.rig.lens.distortion import BrownConrady
+from rigsim.study.saying import Saying, saying
 from rigsim.study.verify.case import Case
 
 _SAME = 1e-9
@@ -16,7 +18,7 @@ class _Feature(NamedTuple):
     """A number of a case."""
 
     name: str
-    """As in "only with NAME of 55 deg or more"."""
+    """Short name."""
     unit: str
     """Unit of the number."""
     value: Callable[[Case], float]
@@ -49,8 +51,8 @@ def _direction(axis: int) -> Callable[[Case], float]:
 
 
 def _k1(case: Case) -> float:
-    bent = [camera.distortion.k1 for camera in (case.rig.left, case.rig.right) if camera.distortion]
-    return max(bent, default=0.0)
+    lenses = (case.rig.left.distortion, case.rig.right.distortion)
+    return max((lens.k1 for lens in lenses if isinstance(lens, BrownConrady)), default=0.0)
 
 
 def _off_axis_deg(case: Case) -> float:
@@ -59,34 +61,30 @@ def _off_axis_deg(case: Case) -> float:
 
 
 _FEATURES: tuple[_Feature, ...] = (
-    _Feature("a turn between the cameras", "deg", _turn_deg),
-    _Feature("a roll between the cameras", "deg", _roll_deg),
-    _Feature("a turn outwards", "deg", _outwards_deg),
-    _Feature("a baseline", "m", lambda case: case.rig.baseline_m),
-    _Feature("a share of x in the way to the right camera", "", _direction(0)),
-    _Feature("a share of y in the way to the right camera", "", lambda case: abs(_direction(1)(case))),
-    _Feature("a share of z in the way to the right camera", "", lambda case: abs(_direction(2)(case))),
-    _Feature("a k1", "", _k1),
+    _Feature("turn", "deg", _turn_deg),
+    _Feature("roll", "deg", _roll_deg),
+    _Feature("turn-outwards", "deg", _outwards_deg),
+    _Feature("baseline", "m", lambda case: case.rig.baseline_m),
+    _Feature("share-of-x", "", _direction(0)),
+    _Feature("share-of-y", "", lambda case: abs(_direction(1)(case))),
+    _Feature("share-of-z", "", lambda case: abs(_direction(2)(case))),
+    _Feature("k1", "", _k1),
     _Feature(
-        "a difference of the focal lengths",
+        "focal-difference",
         "%",
         lambda case: 100 * abs(case.rig.right.fx / case.rig.left.fx - 1),
     ),
-    _Feature(
-        "a difference of the principal points", "px", lambda case: abs(case.rig.right.cx - case.rig.left.cx)
-    ),
-    _Feature("a ratio of height to width", "", lambda case: case.rig.left.height / case.rig.left.width),
-    _Feature(
-        "a difference of fx and fy", "%", lambda case: 100 * abs(case.rig.left.fx / case.rig.left.fy - 1)
-    ),
-    _Feature("rays off the axis", "deg", _off_axis_deg),
-    _Feature("a farthest point", "m", lambda case: float(np.nanmax(case.points_left[:, 2]))),
-    _Feature("a nearest point", "m", lambda case: float(np.nanmin(case.points_left[:, 2]))),
-    _Feature("a number of rows", "", lambda case: float(len(case))),
+    _Feature("principal-point-difference", "px", lambda case: abs(case.rig.right.cx - case.rig.left.cx)),
+    _Feature("height-to-width", "", lambda case: case.rig.left.height / case.rig.left.width),
+    _Feature("fx-fy-difference", "%", lambda case: 100 * abs(case.rig.left.fx / case.rig.left.fy - 1)),
+    _Feature("off-axis", "deg", _off_axis_deg),
+    _Feature("farthest-point", "m", lambda case: float(np.nanmax(case.points_left[:, 2]))),
+    _Feature("nearest-point", "m", lambda case: float(np.nanmin(case.points_left[:, 2]))),
+    _Feature("rows", "", lambda case: float(len(case))),
 )
 
 
-def set_apart(broken: Sequence[Case], spared: Sequence[Case]) -> str:
+def set_apart(broken: Sequence[Case], spared: Sequence[Case]) -> Saying:
     """The feature that parts the cases with the widest gap; the names of the broken ones where none does.
 
     ``only with a turn between the cameras of 55 deg or more (up to 21 deg passes)``.
@@ -96,28 +94,24 @@ def set_apart(broken: Sequence[Case], spared: Sequence[Case]) -> str:
         spared: cases that pass although the mistake would break them.
     """
     broken, spared = ([case for case in cases if case.answerable.any()] for cases in (broken, spared))
-    best, words = 0.0, ""
+    best, told = 0.0, None
     for feature in _FEATURES if broken and spared else ():
         fail, ok = ([feature.value(case) for case in cases] for cases in (broken, spared))
-        for low, high, worse, better in (
-            (max(ok), min(fail), "or more", "up to"),
-            (max(fail), min(ok), "or less", "from"),
+        for low, high, form in (
+            (max(ok), min(fail), "only-with: or more"),
+            (max(fail), min(ok), "only-with: or less"),
         ):
             gap = (high - low) / (abs(high) + abs(low) + _SAME)
             if high > low + _SAME and gap > best:
-                at, passing = (high, low) if worse == "or more" else (low, high)
-                best, words = (
-                    gap,
-                    (
-                        f"only with {feature.name} of {_number(at, feature.unit)} {worse} "
-                        f"({better} {_number(passing, feature.unit)} passes)"
-                    ),
-                )
-    if words:
-        return words
+                at, passing = (high, low) if form == "only-with: or more" else (low, high)
+                what = saying(f"feature: {feature.name}")
+                best = gap
+                told = saying(form, feature=what, at=_zeroed(at), passing=_zeroed(passing), unit=feature.unit)
+    if told is not None:
+        return told
     names = sorted({case.name for case in broken})
-    return f"only in {', '.join(names[:4])}" + (f" and {len(names) - 4} others" if len(names) > 4 else "")
+    return saying("only-in", names=tuple(names))
 
 
-def _number(value: float, unit: str) -> str:
-    return f"{0.0 if abs(value) < _SAME else value:.3g}{' ' if unit else ''}{unit}"
+def _zeroed(value: float) -> float:
+    return 0.0 if abs(value) < _SAME else value

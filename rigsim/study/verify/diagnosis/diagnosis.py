@@ -12,7 +12,7 @@ from rigsim.study.verify.diagnosis.evidence import Evidence, gather
 from rigsim.study.verify.diagnosis.kinds.of_fitted import fitted, kept
 from rigsim.study.verify.diagnosis.mistake import Mistake
 from rigsim.study.verify.diagnosis.mistakes import LIBRARY
-from rigsim.study.verify.diagnosis.reenact import QUICK, SOLVERS, Solver, behind
+from rigsim.study.verify.diagnosis.reenact import QUICK, SOLVERS, Solver, behind, reenacts
 from rigsim.study.verify.diagnosis.symptoms import symptoms
 from rigsim.study.verify.diagnosis.symptoms_plain import broken, last_resort, wasteful
 from rigsim.study.verify.result import CaseResult, Diagnosis
@@ -41,7 +41,7 @@ def diagnose(results: Sequence[CaseResult]) -> tuple[Diagnosis, ...]:
         told = broken(results)
         ranked = [(d.explained, d) for d in told]
         failing = [result for result in wrong if result.status() == "failed"]
-        exact = [result for result in failing if result.case.covariance_px2 is None]
+        exact = [r for r in failing if r.case.covariance_px2 is None and reenacts(r.case.rig)]
         if exact:
             ranked += _reenacted(results)
         if failing:
@@ -97,14 +97,14 @@ class _Trial:
             )
             if failing and share >= _CONVINCING
         )
-        says = self.mistake.says
+        only = None
         if self.only_sometimes:
             cases = [result.case for result in self.evidence.results]
             failing = self.evidence.failing
             broken = [case for case, fails in zip(cases, failing, strict=True) if fails]
             spared = [case for case, i in zip(cases, self.breaks & ~failing, strict=True) if i]
-            says = f"{says.removesuffix('.')}; {set_apart(broken, spared)}."
-        return Diagnosis(self.mistake.name, says, self.explained, names)
+            only = set_apart(broken, spared)
+        return Diagnosis(self.mistake.said, self.explained, names, only)
 
 
 def _answers(

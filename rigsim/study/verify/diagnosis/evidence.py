@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from rigsim.rig.arrays import Array, Mask
 from rigsim.study.verify.checks import exact_tolerance_m
-from rigsim.study.verify.diagnosis.reenact import Given, given, solve_linear
+from rigsim.study.verify.diagnosis.reenact import Given, given, reenacts, solve_linear
 from rigsim.study.verify.result import CaseResult
 from rigsim.theory.uncertainty import pixel_gain
 
@@ -107,6 +107,7 @@ def gather(results: Sequence[CaseResult], rows: int) -> Evidence:
         result
         for result in results
         if result.case.covariance_px2 is None and result.found_left is not None and len(result.case)
+        if reenacts(result.case.rig)
     )
     everything = [_columns(result) for result in kept]
     chosen = [_choose(*columns[2:], rows) for columns in everything]

@@ -8,9 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from rigsim.rig.arrays import Array
+from rigsim.study.saying import saying
 from rigsim.study.verify.diagnosis.kinds.of_answer import ANSWER
 from rigsim.study.verify.diagnosis.kinds.of_distortion import DISTORTION
-from rigsim.study.verify.diagnosis.kinds.of_lens import NUMBERS, PIXELS
+from rigsim.study.verify.diagnosis.kinds.of_lens import PIXELS
+from rigsim.study.verify.diagnosis.kinds.of_numbers import NUMBERS
 from rigsim.study.verify.diagnosis.kinds.of_pose import POSE, invert
 from rigsim.study.verify.diagnosis.kinds.of_rectification import RECTIFICATION
 from rigsim.study.verify.diagnosis.mistake import Mistake
@@ -25,49 +27,40 @@ def _swap_lenses(g: Given) -> Given:
     return replace(g, left=g.right, right=g.left)
 
 
-_SWAPPED = "Answers are what exchanged cameras give: left and right calibration are mixed up with the images"
-
 CAMERAS: tuple[Mistake, ...] = (
     Mistake(
-        "swapped-images",
-        "Answers are what swapped images give: uv_left and uv_right are exchanged somewhere.",
+        saying("swapped-images"),
         _swap_images,
     ),
-    Mistake("swapped-cameras", f"{_SWAPPED} (both lenses).", lambda g: _swap_images(_swap_lenses(g))),
-    Mistake("swapped-cameras", f"{_SWAPPED} (lenses and pose).", lambda g: _swap_lenses(invert(g))),
-    Mistake("swapped-cameras", f"{_SWAPPED} (pose).", lambda g: _swap_images(invert(g))),
+    Mistake(saying("swapped-cameras: both lenses"), lambda g: _swap_images(_swap_lenses(g))),
+    Mistake(saying("swapped-cameras: lenses and pose"), lambda g: _swap_lenses(invert(g))),
+    Mistake(saying("swapped-cameras: pose"), lambda g: _swap_images(invert(g))),
     Mistake(
-        "swapped-intrinsics",
-        "The left lens is used for the right image and the right one for the left: the two K are exchanged.",
+        saying("swapped-intrinsics"),
         _swap_lenses,
     ),
     Mistake(
-        "left-intrinsics-for-both",
-        "The left camera's K is used for the right image as well.",
+        saying("left-intrinsics-for-both: K alone"),
         lambda g: replace(g, right=replace(g.left, bend=g.right.bend)),
         cost=0.0015,
     ),
     Mistake(
-        "left-intrinsics-for-both",
-        "The left camera's K and distortion are used for the right image as well.",
+        saying("left-intrinsics-for-both"),
         lambda g: replace(g, right=g.left),
         cost=0.0015,
     ),
     Mistake(
-        "right-intrinsics-for-both",
-        "The right camera's K is used for the left image as well.",
+        saying("right-intrinsics-for-both: K alone"),
         lambda g: replace(g, left=replace(g.right, bend=g.left.bend)),
         cost=0.0015,
     ),
     Mistake(
-        "right-intrinsics-for-both",
-        "The right camera's K and distortion are used for the left image as well.",
+        saying("right-intrinsics-for-both"),
         lambda g: replace(g, left=g.right),
         cost=0.0015,
     ),
     Mistake(
-        "swapped-intrinsics",
-        "The two K are exchanged, the distortions are not.",
+        saying("swapped-intrinsics: K alone"),
         lambda g: replace(
             g, left=replace(g.right, bend=g.left.bend), right=replace(g.left, bend=g.right.bend)
         ),
@@ -111,10 +104,7 @@ def _length_abs_x(g: Given) -> Array:
 
 PARALLEL: tuple[Mistake, ...] = tuple(
     Mistake(
-        "treated-as-rectified",
-        "Z = f B / d is used for rigs that are not rectified"
-        + ("" if doffs else ", and without doffs")
-        + ": rotate and rectify first, or solve for two rays.",
+        saying("treated-as-rectified" if doffs else "treated-as-rectified: no doffs"),
         solver=_parallel(length, doffs, undistorted, mean_row),
         cost=0.003,
     )

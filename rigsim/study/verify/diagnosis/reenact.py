@@ -15,7 +15,7 @@ import numpy as np
 
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.intrinsics import Intrinsics
-from rigsim.rig.lens.distortion import BrownConrady
+from rigsim.rig.lens.distortion import BrownConrady, are_brown, brown_of
 from rigsim.rig.lens.polynomial import distort
 from rigsim.rig.lens.undistortion import undistort_rows
 from rigsim.rig.stereo import StereoRig
@@ -98,7 +98,7 @@ def given(rigs: Sequence[StereoRig], counts: Sequence[int], uv_left: Array, uv_r
             rows([(camera.fx, camera.fy) for camera in cameras]),
             rows([(camera.cx, camera.cy) for camera in cameras]),
             rows([(camera.width, camera.height) for camera in cameras]),
-            rows([bend_of(camera) for camera in cameras]),
+            rows([brown_of(camera.distortion, "what is reenacted").coefficients for camera in cameras]),
         )
 
     return Given(
@@ -111,10 +111,9 @@ def given(rigs: Sequence[StereoRig], counts: Sequence[int], uv_left: Array, uv_r
     )
 
 
-def bend_of(camera: Intrinsics) -> tuple[float, float, float, float, float]:
-    """k1, k2, p1, p2, k3; zeros for an ideal lens."""
-    lens = camera.distortion or BrownConrady()
-    return lens.k1, lens.k2, lens.p1, lens.p2, lens.k3
+def reenacts(rig: StereoRig) -> bool:
+    """Whether the lenses are of the one model whose mistakes are made again, or none."""
+    return are_brown(rig.left.distortion, rig.right.distortion)
 
 
 def turned(R: Array, vectors: Array) -> Array:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from rigsim.rig.arrays import Array, Mask
+from rigsim.study.saying import Value, saying
 from rigsim.study.verify.checks import exact_tolerance_m
 from rigsim.study.verify.diagnosis.symptoms_plain import Mark, numbers, statistics
 from rigsim.study.verify.diagnosis.symptoms_rows import FEW, SAME, WHERE, else_right, pooled, where
@@ -32,11 +33,11 @@ def symptoms(results: Sequence[CaseResult]) -> list[tuple[float, Diagnosis]]:
             if told:
                 marks[mark.mistake] = told
     ranked = []
-    for name, seen in marks.items():
+    for seen in marks.values():
         share = len(seen) / len(exact or failing)
-        says = seen[0][0].says
+        said = seen[0][0].said
         cases = tuple(result.case.name for _, result in seen)
-        ranked.append((share * seen[0][0].weight - 0.005, Diagnosis(name, says, share, cases)))
+        ranked.append((share * seen[0][0].weight - 0.005, Diagnosis(said, share, cases)))
     return ranked
 
 
@@ -63,29 +64,21 @@ def _marks(result: CaseResult) -> Iterator[Mark]:
     if both.any() and wrong.any() and not wrong[asked].all():
         yield from where(result, found, wrong, answered)
     if not answered[asked].any():
-        yield Mark(
-            "nothing-found",
-            "Not one point comes back: every row is NaN, as if all lay behind a camera.",
-            WHERE,
-        )
+        yield Mark(saying("nothing-found"), WHERE)
 
 
 def _constant(result: CaseResult, found: Array) -> Iterator[Mark]:
     if len(found) < FEW:
         return
     if not found.any():
-        yield Mark("zeros", "Every answer is (0, 0, 0).")
+        yield Mark(saying("zeros"))
     elif (np.abs(found - found[0]) <= SAME * np.abs(found[0])).all():
-        yield Mark("constant-answer", f"All rows have the same answer ({numbers(found[0])} m).")
+        yield Mark(saying("constant-answer", answer_m=numbers(found[0])))
     elif (
         not result.case.answerable.any()
         and (np.abs(found[:, 2] - found[0, 2]) <= SAME * np.abs(found[0, 2])).all()
     ):
-        yield Mark(
-            "disparity-clamped",
-            f"Pixels that meet nowhere get the depth {found[0, 2]:.6g} m: disparities are kept "
-            "above a least one.",
-        )
+        yield Mark(saying("disparity-clamped: nowhere", depth_m=float(found[0, 2])))
 
 
 def _unasked(result: CaseResult, found: Array, answered: Mask) -> Iterator[Mark]:
@@ -94,21 +87,13 @@ def _unasked(result: CaseResult, found: Array, answered: Mask) -> Iterator[Mark]
     lost = ~(np.isfinite(case.uv_left).all(axis=1) & np.isfinite(case.uv_right).all(axis=1))
     in_front = np.isfinite(np.hstack(case.rig.project(np.where(answered[:, None], found, -1.0)))).all(axis=1)
     if lost.any() and not answered[case.answerable].all():
-        yield Mark(
-            "nan-spreads", "A NaN pixel in one row makes other rows NaN: a sum or a fit over all rows."
-        )
+        yield Mark(saying("nan-spreads"))
     if (~case.answerable & answered & (found == 0).all(axis=1)).any():
-        yield Mark("nan-answered", "Rows without an answer come back as (0, 0, 0): they must be NaN.")
+        yield Mark(saying("nan-answered: by zeros"))
     if (lost & in_front).any():
-        yield Mark("nan-answered", "Rows with a NaN pixel come back as points: they must be NaN.")
+        yield Mark(saying("nan-answered"))
     elif (~case.answerable & in_front).any():
-        yield Mark(
-            "points-made-up",
-            f"Pixels that belong to no point come back as points in '{case.name}': look at what a "
-            "disparity <= 0, "
-            "or a point behind a camera, becomes.",
-            0.8,
-        )
+        yield Mark(saying("points-made-up", case=case.name), 0.8)
 
 
 def _order(truth: Array, found: Array) -> Iterator[Mark]:
@@ -125,23 +110,17 @@ def _order(truth: Array, found: Array) -> Iterator[Mark]:
         return
     steps = np.unique((whose - own)[near] % len(truth))
     if len(np.unique(whose)) < 0.9 * len(whose):
-        yield Mark("rows-repeated", "Rows hold other rows' points, some of them more than once.")
+        yield Mark(saying("rows-repeated"))
     elif len(steps) == 1:
         back = len(truth) - int(steps[0])
-        yield Mark(
-            "rows-shifted",
-            f"Every row holds the point of the row {min(int(steps[0]), back)} "
-            f"{'after' if steps[0] <= back else 'before'}"
-            " it.",
-        )
+        ahead = int(steps[0])
+        yield Mark(saying("rows-shifted" if ahead <= back else "rows-shifted: before", rows=min(ahead, back)))
     elif (whose == len(truth) - 1 - own).all():
-        yield Mark("rows-reordered", "The right points come back in reverse order.")
+        yield Mark(saying("rows-reordered: reverse"))
     else:
         z = found[known, 2]
-        how = " sorted by depth" if (np.diff(z) >= 0).all() or (np.diff(z) <= 0).all() else ""
-        yield Mark(
-            "rows-reordered", f"The right points come back in another order{how}: row i must answer row i."
-        )
+        by_depth = (np.diff(z) >= 0).all() or (np.diff(z) <= 0).all()
+        yield Mark(saying("rows-reordered: by depth" if by_depth else "rows-reordered"))
 
 
 def _digits(result: CaseResult, found: Array, truth: Array) -> Iterator[Mark]:
@@ -155,11 +134,8 @@ def _digits(result: CaseResult, found: Array, truth: Array) -> Iterator[Mark]:
         few = np.abs(found - np.round(found, digits)) <= 1e-13 * np.abs(found) + 1e-15
         if few[:, 2].all():
             if 1e-3 * step < error <= 2 * step:
-                what = "Answers have" if few.all() else "Depths have"
-                yield Mark(
-                    "rounded-answers",
-                    f"{what} {digits} decimals, steps of {step:g} m: write more digits (17 hold a double).",
-                )
+                form = "rounded-answers: decimals" if few.all() else "rounded-answers: of depths"
+                yield Mark(saying(form, digits=digits, step_m=step))
                 return
             break
     with np.errstate(all="ignore"):
@@ -169,22 +145,14 @@ def _digits(result: CaseResult, found: Array, truth: Array) -> Iterator[Mark]:
             held = any(_held(values, kind) for values in (found, found[:, 2], 1e3 * found, 1e3 * found[:, 2]))
         small = _typical(off_px) < _SMALL_PX and relative < 0.1 if bits == 32 else relative < 0.01
         if held and small:
-            name = "single-precision" if bits == 32 else "half-precision"
-            yield Mark(
-                name,
-                f"What comes back are float{bits} numbers: the work is done, or stored, "
-                "with too few digits; "
-                "use float64 from the pixels on.",
-            )
+            name = "single-precision: answers" if bits == 32 else "half-precision"
+            yield Mark(saying(name))
             return
     sample = found[:20].ravel()
     for digits in range(2, _MOST_DIGITS + 1):
         if all(float(f"{value:.{digits}g}") == value for value in sample):
             if np.abs(found / truth - 1).max() <= 10.0 ** (2 - digits):
-                yield Mark(
-                    "rounded-answers",
-                    f"Answers have {digits} significant digits: write more (17 hold a double).",
-                )
+                yield Mark(saying("rounded-answers", digits=digits))
             return
 
 
@@ -207,22 +175,18 @@ def _clamped(result: CaseResult, found: Array, wrong: Mask) -> Iterator[Mark]:
             continue
         at = found[np.flatnonzero(stuck)[:1]]
         disparity = float(parallax_px(rig, at)[0])
+        found_out: dict[str, Value] = {
+            "what": what,
+            "limit_m": limit,
+            "case": result.case.name,
+            "disparity_px": disparity,
+        }
         farther = float((true_values[stuck] > limit).mean())
         if farther > 0.9:
-            yield Mark(
-                "disparity-clamped",
-                f"No {what} exceeds {limit:.6g} m in '{result.case.name}' (a disparity of "
-                f"{disparity:.3g} px): small "
-                "disparities are clamped, or depths are capped.",
-            )
+            yield Mark(saying("disparity-clamped", **found_out))
             return
         if farther < 0.1:
-            yield Mark(
-                "depth-clamped-near",
-                f"No {what} is less than {limit:.6g} m in '{result.case.name}' (a disparity of "
-                f"{disparity:.3g} px): "
-                "large disparities are clamped.",
-            )
+            yield Mark(saying("depth-clamped-near", **found_out))
             return
 
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rigsim.rig.arrays import Array
+from rigsim.study.saying import Saying, saying
 from rigsim.study.verify.result import CaseResult, Diagnosis
 
 _LOST_DIGITS_PX = 5e-3
@@ -17,66 +18,63 @@ _SINGLE_PX = 2e-4  # of a picture 2000 px wide
 class Mark(NamedTuple):
     """What one case shows."""
 
-    mistake: str
-    """Short name."""
-    says: str
-    """A sentence, true of this case."""
+    said: Saying
+    """What it is, with what is true of this case."""
     weight: float = 1.0
     """How much it tells beside a mistake that was made again."""
+
+    @property
+    def mistake(self) -> str:
+        """Short name."""
+        return self.said.subject
 
 
 def broken(results: Sequence[CaseResult]) -> list[Diagnosis]:
     """What errors say, the most frequent first."""
     wrong = sum(result.status() in ("failed", "error") for result in results)
-    grouped: dict[str, tuple[str, list[str]]] = {}
+    grouped: dict[str, tuple[Saying, list[str]]] = {}
     for result in results:
         if result.status() == "error":
             mark = _broken(result)
-            grouped.setdefault(mark.mistake, (mark.says, []))[1].append(result.case.name)
-    told = [
-        Diagnosis(name, says, len(cases) / wrong, tuple(cases)) for name, (says, cases) in grouped.items()
-    ]
+            grouped.setdefault(mark.mistake, (mark.said, []))[1].append(result.case.name)
+    told = [Diagnosis(said, len(cases) / wrong, tuple(cases)) for said, cases in grouped.values()]
     return sorted(told, key=lambda diagnosis: -diagnosis.explained)
 
 
 def _broken(result: CaseResult) -> Mark:
     match result.reason:
         case "timed-out":
-            return Mark("times-out", "It does not come back in time.")
+            return Mark(saying("times-out"))
         case "wrong-shape":
             return _of_shape(result.shape, len(result.case), int(result.case.answerable.sum()))
         case "wrong-type":
-            return Mark("wrong-type", f"{result.error}.")
+            return Mark(saying("wrong-type", error=result.error))
         case "raised":
-            return Mark("raises", f"{result.error}.")
+            return Mark(saying("raises", error=result.error))
         case _:
-            return Mark("broken", f"{result.error}.")
+            return Mark(saying("broken", error=result.error))
 
 
 def _of_shape(shape: tuple[int, ...], n: int, asked: int) -> Mark:
     """What an answer's shape says, for `n` rows of which `asked` have an answer."""
     match shape:
         case (3, m) if m == n:
-            return Mark("transposed-answer", "The answer is (3, N), a column a point: return its transpose.")
+            return Mark(saying("transposed-answer"))
         case (4, m) if m == n:
-            return Mark(
-                "homogeneous-answer",
-                "The answer is (4, N), homogeneous as triangulatePoints gives it: divide by the last row and "
-                "transpose.",
-            )
+            return Mark(saying("homogeneous-answer: transposed"))
         case (m, 4) if m == n:
-            return Mark("homogeneous-answer", "The answer has four columns: divide by the last and drop it.")
+            return Mark(saying("homogeneous-answer"))
         case (m, 2) if m == n:
-            return Mark("depth-missing", "The answer has two columns: the depth is missing.")
+            return Mark(saying("depth-missing"))
         case (m,) if m == n:
-            return Mark("depth-alone", "The answer has one number a point: x and y are missing.")
+            return Mark(saying("depth-alone"))
         case (m, 3) if m == asked and asked < n:
-            return Mark("rows-dropped", "Rows without an answer are left out: they must be NaN.")
+            return Mark(saying("rows-dropped"))
         case (m, 3):
-            return Mark("rows-dropped", f"{m} rows came back for {n}: each needs its own, NaN if need be.")
+            return Mark(saying("rows-dropped: counted", rows=m, of=n))
         case (_, *rest) if len(rest) > 1 and 3 in rest:
-            return Mark("extra-dimension", f"The answer has shape {shape}: it has an axis too many.")
-    return Mark("wrong-shape", f"The answer has shape {shape}: must be ({n}, 3).")
+            return Mark(saying("extra-dimension", shape=shape))
+    return Mark(saying("wrong-shape", shape=shape, rows=n))
 
 
 def statistics(result: CaseResult) -> Iterator[Mark]:
@@ -84,30 +82,13 @@ def statistics(result: CaseResult) -> Iterator[Mark]:
     checks = {check.name: check for check in result.failed_checks}
     size = checks.get("size") or checks.get("depth")
     if size is not None and size.value > size.high:
-        yield Mark(
-            "inefficient",
-            f"Exact pixels are answered exactly, but with noise errors are {size.value:.3g} times "
-            "what they must be: "
-            "part of what the pixels say is wasted, as one image's rows or one of two rays, or "
-            "noise is added.",
-        )
+        yield Mark(saying("inefficient: with noise", times=size.value))
     if size is not None and size.value < size.low:
-        yield Mark(
-            "too-good",
-            f"With noise, errors are {size.value:.3g} times what they must be at least: rows are "
-            "smoothed or averaged, or "
-            "the truth leaks in.",
-        )
+        yield Mark(saying("too-good", times=size.value))
     if "unbiased" in checks:
-        yield Mark(
-            "biased",
-            f"With noise, answers lean by {checks['unbiased'].value:.3g} standard deviations to one side.",
-        )
+        yield Mark(saying("biased", sigmas=checks["unbiased"].value))
     if "answered" in checks:
-        yield Mark(
-            "rows-missing",
-            f"{checks['answered'].value:.0f} rows with an answer come back as NaN once there is noise.",
-        )
+        yield Mark(saying("rows-missing: with noise", rows=checks["answered"].value))
 
 
 def wasteful(results: Sequence[CaseResult]) -> tuple[Diagnosis, ...]:
@@ -117,37 +98,32 @@ def wasteful(results: Sequence[CaseResult]) -> tuple[Diagnosis, ...]:
     if len(large) <= len(noisy) / 2:
         return ()
     times = float(np.median([result.efficiency for result in large]))
-    says = (
-        f"Right, but with noise errors are {times:.3g} times what they need be: part of what the "
-        "pixels say is "
-        "wasted, as one image's rows or one of two rays."
-    )
     share = len(large) / len(noisy)
-    return (Diagnosis("inefficient", says, share, tuple(result.case.name for result in large)),)
+    return (
+        Diagnosis(saying("inefficient", times=times), share, tuple(result.case.name for result in large)),
+    )
 
 
 def last_resort(results: Sequence[CaseResult]) -> list[Diagnosis]:
     """What can be said when no mistake fits: which rigs fail, and how the errors look."""
     failing = [result for result in results if result.status() == "failed"]
     exact = [r for r in failing if r.case.covariance_px2 is None and r.case.answerable.any()]
-    name, how = _how(exact)
-    says = " ".join(part for part in (_which(results), how) if part)
-    return [Diagnosis(name, says, 0.0, tuple(result.case.name for result in failing))]
+    return [Diagnosis(_how(exact, _which(results)), 0.0, tuple(result.case.name for result in failing))]
 
 
 _FEATURES: tuple[tuple[str, Callable[[CaseResult], bool]], ...] = (
-    ("unequal principal points (doffs)", lambda r: abs(r.case.rig.doffs_px) > 1e-9),
-    ("lens distortion", lambda r: bool(r.case.rig.left.distortion or r.case.rig.right.distortion)),
-    ("a turned right camera", lambda r: bool(np.abs(r.case.rig.right_from_left.R - np.eye(3)).max() > 1e-9)),
-    ("pixels that are not square", lambda r: r.case.rig.left.fx != r.case.rig.left.fy),
-    ("two different lenses", lambda r: r.case.rig.left != r.case.rig.right),
-    ("a baseline that is not along x", lambda r: bool(np.abs(r.case.rig.right_from_left.t[1:]).max() > 1e-9)),
-    ("no rectification", lambda r: not r.case.rig.is_rectified),
-    ("points beyond 50 m", lambda r: bool((r.case.points_left[:, 2] > 50).any())),
+    ("doffs", lambda r: abs(r.case.rig.doffs_px) > 1e-9),
+    ("distortion", lambda r: bool(r.case.rig.left.distortion or r.case.rig.right.distortion)),
+    ("turn", lambda r: bool(np.abs(r.case.rig.right_from_left.R - np.eye(3)).max() > 1e-9)),
+    ("non-square", lambda r: r.case.rig.left.fx != r.case.rig.left.fy),
+    ("two-lenses", lambda r: r.case.rig.left != r.case.rig.right),
+    ("off-x", lambda r: bool(np.abs(r.case.rig.right_from_left.t[1:]).max() > 1e-9)),
+    ("unrectified", lambda r: not r.case.rig.is_rectified),
+    ("far", lambda r: bool((r.case.points_left[:, 2] > 50).any())),
 )
 
 
-def _which(results: Sequence[CaseResult]) -> str:
+def _which(results: Sequence[CaseResult]) -> Saying:
     """The property of rigs that tells failing cases from passing ones best."""
     judged = [
         r
@@ -156,18 +132,18 @@ def _which(results: Sequence[CaseResult]) -> str:
     ]
     failing = [result.status() == "failed" for result in judged]
     if not any(failing) or all(failing):
-        return "All exact cases fail." if any(failing) else ""
+        return saying("failing: all" if any(failing) else "failing: none")
     for name, has in _FEATURES:
         if [has(result) for result in judged] == failing:
-            return f"All rigs with {name} fail, and no others."
+            return saying("failing: those", rigs=saying(f"rigs: {name}"))
     for name, has in _FEATURES:
         if all(has(result) for result, fails in zip(judged, failing, strict=True) if fails):
-            return f"Only rigs with {name} fail."
-    return f"{sum(failing)} of {len(judged)} cases fail."
+            return saying("failing: only", rigs=saying(f"rigs: {name}"))
+    return saying("failing: some", failing=sum(failing), of=len(judged))
 
 
-def _how(exact: Sequence[CaseResult]) -> tuple[str, str]:
-    """A name, and what the errors look like."""
+def _how(exact: Sequence[CaseResult], which: Saying) -> Saying:
+    """What the errors look like; `which` tells which rigs fail."""
     offsets, relative = [], []
     for result in exact:
         case, found = result.case, result.found_left
@@ -178,36 +154,23 @@ def _how(exact: Sequence[CaseResult]) -> tuple[str, str]:
         offsets.append(np.hstack(case.rig.project(found[both])) - np.hstack(case.rig.project(truth)))
         relative.append(found[both, 2] / truth[:, 2])
     if not offsets:
-        return "unknown", "No known mistake explains it."
+        return saying("unknown", which=which)
     px, depth = np.concatenate(offsets), np.concatenate(relative)
     px = px[np.isfinite(px).all(axis=1)]
     if not len(px):
-        return "unknown", "No point that comes back is in front of both cameras."
+        return saying("unknown: behind", which=which)
     scatter, lean = float(np.median(np.abs(px))), float(np.abs(np.median(px, axis=0)).max())
     spread = float(np.median(np.abs(depth - 1)))
     if lean < 0.2 * scatter and scatter < _LOST_DIGITS_PX:
-        return (
-            "lost-digits",
-            f"Errors look like noise, about {scatter:.1g} px: numbers that were rounded or written with few "
-            "digits, a step for numerical derivatives, or an iteration that stops early"
-            + (", or single precision (float32)." if scatter < _SINGLE_PX else "."),
-        )
+        form = "lost-digits: single" if scatter < _SINGLE_PX else "lost-digits"
+        return saying(form, which=which, scatter_px=scatter)
     if lean < 0.2 * scatter:
-        return (
-            "random-errors",
-            f"Errors look like noise: about {scatter:.2g} px either way, without a direction, and depths "
-            f"{spread:.2g} of themselves; look for random numbers, wrong matches or an iteration "
-            "that stops early.",
-        )
-    return (
-        "unknown",
-        f"Points project about {scatter:.2g} px from their pixels (typically "
-        f"{numbers(np.median(px, axis=0))} px in u, v of the left and of the right image), and depths are "
-        f"{float(np.median(depth)):.4g} times the true ones.",
-    )
+        return saying("random-errors", which=which, scatter_px=scatter, spread=spread)
+    off_px, times = numbers(np.median(px, axis=0)), float(np.median(depth))
+    return saying("unknown: off", which=which, scatter_px=scatter, off_px=off_px, times=times)
 
 
-def numbers(values: Array) -> str:
-    """Numbers to three digits; what is nothing beside the largest is 0."""
+def numbers(values: Array) -> tuple[float, ...]:
+    """Numbers; what is nothing beside the largest is 0."""
     least = 1e-6 * float(np.abs(values).max(initial=0.0))
-    return ", ".join(f"{value if abs(value) > least else 0.0:.3g}" for value in values)
+    return tuple(float(value) if abs(value) > least else 0.0 for value in values)

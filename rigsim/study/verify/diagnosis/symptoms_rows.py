@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from rigsim.rig.arrays import Array, Mask
+from rigsim.study.saying import saying
 from rigsim.study.verify.case import Case
 from rigsim.study.verify.diagnosis.symptoms_plain import Mark
 from rigsim.study.verify.result import CaseResult
@@ -28,65 +29,43 @@ def where(result: CaseResult, found: Array, wrong: Mask, answered: Mask) -> Iter
     none = ~answered
     zero = answered & (found == 0).all(axis=1)
     kind = "missing" if none[wrong].mean() > 0.9 else "zero" if zero[wrong].mean() > 0.9 else "wrong"
-    found_as = {"missing": "NaN", "zero": "(0, 0, 0)", "wrong": "wrong"}[kind]
     weight = WHERE if kind == "wrong" else 0.95
     good = asked & ~wrong
-    for high, values, above, below, low in _measures(case):
+    for high, values, low in _measures(case):
         w, g = values[wrong], values[good]
         if len(g) < FEW or n < FEW:
             continue
         if np.quantile(w, 0.02) >= np.quantile(g, 0.98):
-            yield Mark(
-                f"{high}-{kind}",
-                f"Points {above.format(float(w.min()))} come back {found_as}, the others are "
-                f"right ('{case.name}').",
-                weight,
-            )
+            yield Mark(saying(f"{high}-{kind}", at=float(w.min()), case=case.name), weight)
             return
         if np.quantile(w, 0.98) <= np.quantile(g, 0.02):
-            yield Mark(
-                f"{low}-{kind}",
-                f"Points {below.format(float(w.max()))} come back {found_as}, the others are "
-                f"right ('{case.name}').",
-                weight,
-            )
+            yield Mark(saying(f"{low}-{kind}", at=float(w.max()), case=case.name), weight)
             return
-    name = {"missing": "rows-missing", "zero": "rows-zero", "wrong": "rows-wrong"}[kind]
-    yield Mark(
-        name,
-        f"{n} of {int(asked.sum())} rows come back {found_as} in '{case.name}', the others are right.",
-        WHERE,
-    )
+    yield Mark(saying(f"rows-{kind}", rows=n, of=int(asked.sum()), case=case.name), WHERE)
 
 
-def _measures(case: Case) -> tuple[tuple[str, Array, str, str, str], ...]:
-    """What rows may be wrong by: its high end, values (N,), words above and below, its low end."""
+def _measures(case: Case) -> tuple[tuple[str, Array, str], ...]:
+    """What rows may be wrong by: its high end, values (N,), its low end."""
     centre = (case.uv_left - (case.rig.left.cx, case.rig.left.cy)) / (case.rig.left.fx, case.rig.left.fy)
     return (
-        ("far-points", case.points_left[:, 2], "beyond {:.4g} m", "nearer than {:.4g} m", "near-points"),
+        ("far-points", case.points_left[:, 2], "near-points"),
         (
             "large-disparities",
             parallax_px(case.rig, case.points_left),
-            "with a disparity above {:.3g} px",
-            "with a disparity below {:.3g} px",
             "small-disparities",
         ),
         (
             "late-rows",
             np.arange(len(case), dtype=np.float64),
-            "after row {:.0f}",
-            "before row {:.0f}",
             "early-rows",
         ),
         (
             "outer-points",
             np.linalg.norm(centre, axis=1),
-            "farther than {:.3g} focal lengths from the principal point",
-            "nearer than {:.3g} focal lengths to the principal point",
             "inner-points",
         ),
-        ("right-half", case.points_left[:, 0], "right of x = {:.3g} m", "left of x = {:.3g} m", "left-half"),
-        ("lower-half", case.points_left[:, 1], "below y = {:.3g} m", "above y = {:.3g} m", "upper-half"),
+        ("right-half", case.points_left[:, 0], "left-half"),
+        ("lower-half", case.points_left[:, 1], "upper-half"),
     )
 
 
@@ -103,19 +82,13 @@ def pooled(results: Sequence[CaseResult]) -> Iterator[Mark]:
     if not depth:
         return
     z, nothing, zeros = np.concatenate(depth), np.concatenate(lost), np.concatenate(zero)
-    for rows, kind, found_as in ((zeros, "zero", "(0, 0, 0)"), (nothing, "missing", "NaN")):
+    for rows, kind in ((zeros, "zero"), (nothing, "missing")):
         if rows.sum() < FEW or rows.all():
             continue
         if z[rows].min() >= z[~rows].max():
-            yield Mark(
-                f"far-points-{kind}", f"Points beyond {z[~rows].max():.4g} m come back as {found_as}.", 1.0
-            )
+            yield Mark(saying(f"far-points-{kind}: in all cases", at=float(z[~rows].max())))
         elif z[rows].max() <= z[~rows].min():
-            yield Mark(
-                f"near-points-{kind}",
-                f"Points nearer than {z[~rows].min():.4g} m come back as {found_as}.",
-                1.0,
-            )
+            yield Mark(saying(f"near-points-{kind}: in all cases", at=float(z[~rows].min())))
 
 
 def else_right(result: CaseResult) -> bool:

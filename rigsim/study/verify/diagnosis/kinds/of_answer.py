@@ -9,10 +9,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from rigsim.rig.arrays import Array
+from rigsim.study.saying import saying
 from rigsim.study.verify.diagnosis.mistake import After, Mistake
 from rigsim.study.verify.diagnosis.reenact import Given, rectifying, turned, turned_back
-
-_FRAME = "Points come back in {}, not in the left camera's: {}."
 
 
 def _middle(points: Array, g: Given) -> Array:
@@ -37,90 +36,73 @@ def opencv_rectified(g: Given) -> Array:
 
 FRAMES: tuple[Mistake, ...] = (
     Mistake(
-        "right-frame",
-        _FRAME.format(
-            "the right camera's frame", "map them with right_from_left's inverse, or swap the roles"
-        ),
+        saying("right-frame"),
         after=lambda X, g: turned(g.R, X) + g.t,
     ),
     Mistake(
-        "rig-frame",
-        _FRAME.format("the rig's frame", "its origin is the middle of the baseline, its axes look halfway"),
+        saying("rig-frame"),
         after=_middle,
     ),
     Mistake(
-        "rig-frame",
-        _FRAME.format("a frame whose origin is the middle of the baseline", "half of it is missing"),
+        saying("rig-frame: half missing"),
         after=lambda X, g: X - g.centre_right / 2,
         cost=0.001,
     ),
     Mistake(
-        "rig-frame",
-        _FRAME.format("a frame half a baseline away", "half of it has the wrong sign"),
+        saying("rig-frame: half too much"),
         after=lambda X, g: X + g.centre_right / 2,
         cost=0.002,
     ),
     Mistake(
-        "rectified-frame",
-        _FRAME.format("the rectified left camera's frame", "rotate them back by the transpose of R1"),
+        saying("rectified-frame"),
         after=lambda X, g: turned(opencv_rectified(g), X),
     ),
     Mistake(
-        "rectified-frame",
-        _FRAME.format("the rectified left camera's frame", "rotate them back by the transpose of R1"),
+        saying("rectified-frame"),
         after=lambda X, g: turned(rectifying(g), X),
         cost=0.001,
     ),
     Mistake(
-        "rectified-frame",
-        _FRAME.format("a rectified frame", "they were rotated back the wrong way"),
+        saying("rectified-frame: wrong way"),
         after=lambda X, g: turned(opencv_rectified(g), turned(opencv_rectified(g), X)),
         cost=0.002,
     ),
     Mistake(
-        "transformed-wrongly",
-        "Points are mapped by right_from_left's inverse although they are in the left frame already.",
+        saying("transformed-wrongly"),
         after=lambda X, g: turned_back(g.R, X - g.t),
         cost=0.001,
     ),
     Mistake(
-        "transformed-wrongly",
-        "Points are rotated by R once too often.",
+        saying("transformed-wrongly: R"),
         after=lambda X, g: turned(g.R, X),
         cost=0.001,
     ),
     Mistake(
-        "transformed-wrongly",
-        "Points are rotated by the transpose of R once too often.",
+        saying("transformed-wrongly: transpose of R"),
         after=lambda X, g: turned_back(g.R, X),
         cost=0.001,
     ),
     Mistake(
-        "transformed-wrongly",
-        "Points are measured from the right camera's place, along the left camera's axes.",
+        saying("transformed-wrongly: place"),
         after=lambda X, g: X - g.centre_right,
         cost=0.001,
     ),
     Mistake(
-        "transformed-wrongly",
-        "t is added to points that are in the left frame already.",
+        saying("transformed-wrongly: t"),
         after=lambda X, g: X + g.t,
         cost=0.002,
     ),
 )
 """Right points in another camera's frame."""
 
-_AXES: dict[tuple[tuple[int, ...], tuple[int, ...]], tuple[str, str]] = {
-    ((0, 1, 2), (1, -1, -1)): (
-        "opengl-axes",
-        "y and z have the opposite sign, as in OpenGL (y up, z backwards)",
-    ),
-    ((0, 1, 2), (1, -1, 1)): ("flipped-y", "y has the opposite sign: it points down here"),
-    ((0, 1, 2), (-1, 1, 1)): ("flipped-x", "x has the opposite sign"),
-    ((0, 1, 2), (1, 1, -1)): ("flipped-z", "z has the opposite sign: points lie behind the camera"),
-    ((0, 1, 2), (-1, -1, -1)): ("negated-points", "all three coordinates have the opposite sign"),
-    ((1, 0, 2), (1, 1, 1)): ("x-y-exchanged", "x and y are exchanged: row and column are mixed up"),
-    ((2, 0, 1), (1, -1, -1)): ("ros-axes", "axes are forward, left, up (ROS REP 103)"),
+_AXES: dict[tuple[tuple[int, ...], tuple[int, ...]], str] = {
+    ((0, 1, 2), (1, -1, -1)): "opengl-axes",
+    ((0, 1, 2), (1, -1, 1)): "flipped-y",
+    ((0, 1, 2), (-1, 1, 1)): "flipped-x",
+    ((0, 1, 2), (1, 1, -1)): "flipped-z",
+    ((0, 1, 2), (-1, -1, -1)): "negated-points",
+    ((1, 0, 2), (1, 1, 1)): "x-y-exchanged",
+    ((2, 0, 1), (1, -1, -1)): "ros-axes",
 }
 
 
@@ -137,12 +119,9 @@ def _axes() -> tuple[Mistake, ...]:
             shown = ", ".join(
                 f"{'-' if sign < 0 else ''}{'xyz'[i]}" for i, sign in zip(order, signs, strict=True)
             )
-            name, what = _AXES.get((order, signs), ("axes-permuted", "the axes are another convention's"))
-            says = (
-                f"({shown}) comes back for (x, y, z): {what}; OpenCV's axes are x right, y down, z forward."
-            )
+            said = saying(_AXES.get((order, signs), "axes-permuted"), axes=shown)
             cost = 0.0 if (order, signs) in _AXES else 0.003
-            made.append(Mistake(name, says, after=_permuted(order, signs), cost=cost))
+            made.append(Mistake(said, after=_permuted(order, signs), cost=cost))
     return tuple(made)
 
 
@@ -158,101 +137,81 @@ def _disparity(g: Given) -> Array:
     return g.uv_left[:, 0] - g.uv_right[:, 0] + g.right.c[:, 0] - g.left.c[:, 0]
 
 
-_RAY = "Depth and length of the ray are mixed up"
 MEANINGS: tuple[Mistake, ...] = (
     Mistake(
-        "ray-length-for-depth",
-        f"{_RAY}: z is the distance to the point.",
+        saying("ray-length-for-depth"),
         after=_with_depth(lambda X, g: _length(X)),
     ),
     Mistake(
-        "ray-length-for-depth",
-        f"{_RAY}: the point lies at the depth's distance along its ray.",
+        saying("ray-length-for-depth: along the ray"),
         after=lambda X, g: X * (X[:, 2] / _length(X))[:, None],
     ),
     Mistake(
-        "ray-length-for-depth",
-        f"{_RAY}: the ray, scaled to z = 1, is made as long as the point is far.",
+        saying("ray-length-for-depth: scaled"),
         after=lambda X, g: X * (_length(X) / X[:, 2])[:, None],
     ),
-    Mistake("inverse-depth", "1/z comes back for z.", after=_with_depth(lambda X, g: 1 / X[:, 2])),
+    Mistake(saying("inverse-depth"), after=_with_depth(lambda X, g: 1 / X[:, 2])),
+    Mistake(saying("disparity-for-depth"), after=_with_depth(lambda X, g: _disparity(g))),
     Mistake(
-        "disparity-for-depth", "z is the disparity in pixels.", after=_with_depth(lambda X, g: _disparity(g))
-    ),
-    Mistake(
-        "not-times-depth",
-        "x and y are not multiplied by z: (x/z, y/z, z) comes back.",
+        saying("not-times-depth"),
         after=lambda X, g: np.column_stack([X[:, :2] / X[:, 2:], X[:, 2]]),
     ),
     Mistake(
-        "not-times-depth",
-        "(x/z, y/z, 1) comes back: the depth is lost.",
+        saying("not-times-depth: lost"),
         after=lambda X, g: X / X[:, 2:],
         cost=0.001,
     ),
     Mistake(
-        "not-times-depth",
-        "Directions of length 1 come back: the depth is lost.",
+        saying("not-times-depth: length 1"),
         after=lambda X, g: X / _length(X)[:, None],
         cost=0.001,
     ),
     Mistake(
-        "pixels-for-metres",
-        "x and y are the left image's pixels: (u, v, z) comes back.",
+        saying("pixels-for-metres"),
         after=lambda X, g: np.column_stack([g.uv_left, X[:, 2]]),
     ),
     Mistake(
-        "not-divided-by-focal",
-        "x and y are not divided by the focal length.",
+        saying("not-divided-by-focal"),
         after=lambda X, g: np.column_stack([X[:, :2] * g.left.f, X[:, 2]]),
     ),
     Mistake(
-        "principal-point-missing",
-        "x and y are made without the principal point; the depth is right.",
+        saying("principal-point-missing: x and y"),
         after=lambda X, g: X + np.column_stack([g.left.c / g.left.f * X[:, 2:], 0 * X[:, 2]]),
     ),
     Mistake(
-        "xy-from-right-pixel",
-        "x and y are made of the right image's pixel and the left camera's depth.",
+        saying("xy-from-right-pixel"),
         after=lambda X, g: np.column_stack([g.right.normalize(g.uv_right) * X[:, 2:], X[:, 2]]),
     ),
     Mistake(
-        "depth-from-right",
-        "z is the depth in the right camera's frame.",
+        saying("depth-from-right"),
         after=_with_depth(lambda X, g: (turned(g.R, X) + g.t)[:, 2]),
     ),
     Mistake(
-        "fx-for-fy",
-        "y is divided by fx where fy is meant; x and the depth are right.",
+        saying("fx-for-fy: y alone"),
         after=lambda X, g: np.column_stack([X[:, 0], X[:, 1] * g.left.f[:, 1] / g.left.f[:, 0], X[:, 2]]),
         cost=0.001,
     ),
     Mistake(
-        "fy-for-fx",
-        "x is divided by fy where fx is meant; y and the depth are right.",
+        saying("fy-for-fx: x alone"),
         after=lambda X, g: np.column_stack([X[:, 0] * g.left.f[:, 0] / g.left.f[:, 1], X[:, 1:]]),
         cost=0.001,
     ),
     Mistake(
-        "distortion-ignored",
-        "x and y are made of the pixel as it was seen, distortion included; the depth is right.",
+        saying("distortion-ignored: x and y"),
         after=lambda X, g: np.column_stack([(g.uv_left - g.left.c) / g.left.f * X[:, 2:], X[:, 2]]),
         cost=0.001,
     ),
     Mistake(
-        "behind-in-front",
-        "Points behind the cameras come back in front of them: a disparity's absolute value is taken.",
+        saying("behind-in-front"),
         after=lambda X, g: np.where(X[:, 2:] < 0, -X, X),
     ),
     Mistake(
-        "behind-in-front",
-        "The absolute value of z is taken: points behind the cameras come back in front.",
+        saying("behind-in-front: z"),
         after=lambda X, g: np.column_stack([X[:, :2], np.abs(X[:, 2])]),
         cost=0.001,
     ),
     Mistake(
-        "nothing-found",
-        "Nothing is ever found: every row is NaN or behind a camera.",
+        saying("nothing-found: ever"),
         after=lambda X, g: np.full_like(X, np.nan),
         cost=0.05,
     ),

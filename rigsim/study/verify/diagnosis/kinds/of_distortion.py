@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigsim.rig.arrays import Array
+from rigsim.study.saying import saying
 from rigsim.study.verify.diagnosis.mistake import Mistake, of_both, sides
 from rigsim.study.verify.diagnosis.reenact import Lenses, Undo, bent, undo
 
@@ -72,73 +73,59 @@ def _twice(seen: Array, bend: Array) -> Array:
 
 
 _KEPT = [0, 1, 2, 3, 4]
-_EARLY = "Undistortion stops too early, after {}: iterate until it stands still{}."
 
 DISTORTION: tuple[Mistake, ...] = (
-    *sides("distortion-ignored", "Lens distortion is ignored in {}.", _bend(_KEPT, (0.0,) * 5)),
+    *sides("distortion-ignored", _bend(_KEPT, (0.0,) * 5)),
     *sides(
         "distortion-twice",
-        "Distortion is undone twice in {}: pixels were undistorted before.",
         _undone(_twice),
     ),
     *sides(
         "distortion-inverted",
-        "Distortion is applied where it must be undone, in {}: the model maps ideal to seen.",
         _undone(bent),
     ),
-    *sides(
-        "distortion-sign", "The distortion coefficients have the wrong sign in {}.", _bend(_KEPT, (-1.0,) * 5)
-    ),
+    *sides("distortion-sign", _bend(_KEPT, (-1.0,) * 5)),
     Mistake(
-        "distortion-swapped",
-        "The two lenses' distortion coefficients are exchanged.",
+        saying("distortion-swapped"),
         lambda g: replace(
             g, left=replace(g.left, bend=g.right.bend), right=replace(g.right, bend=g.left.bend)
         ),
     ),
     Mistake(
-        "distortion-swapped",
-        "The left lens's distortion is used for both.",
+        saying("distortion-swapped: left for both"),
         lambda g: replace(g, right=replace(g.right, bend=g.left.bend)),
     ),
     Mistake(
-        "distortion-swapped",
-        "The right lens's distortion is used for both.",
+        saying("distortion-swapped: right for both"),
         lambda g: replace(g, left=replace(g.left, bend=g.right.bend)),
     ),
-    *sides("distortion-p1-p2", "p1 and p2 are exchanged in {}.", _bend([0, 1, 3, 2, 4])),
+    *sides("distortion-p1-p2", _bend([0, 1, 3, 2, 4])),
     *sides(
         "distortion-tangential",
-        "Tangential distortion (p1, p2) is ignored in {}.",
         _bend(_KEPT, (1, 1, 0, 0, 1)),
     ),
-    *sides("distortion-k3", "k3 is ignored in {}.", _bend(_KEPT, (1, 1, 1, 1, 0))),
+    *sides("distortion-k3", _bend(_KEPT, (1, 1, 1, 1, 0))),
     *sides(
         "distortion-k1-only",
-        "Of the distortion only k1 is used in {}.",
         _bend(_KEPT, (1, 0, 0, 0, 0)),
         cost=0.001,
     ),
     *sides(
         "distortion-order",
-        "k1, k2, p1, p2, k3 are read in another order in {}: k3 comes last, after p1 and p2.",
         _bend([0, 1, 4, 2, 3]),
     ),
     *sides(
         "distortion-order",
-        "k1, k2, p1, p2, k3 are read in another order in {}: k3 comes last, after p1 and p2.",
         _bend([0, 1, 3, 4, 2]),
     ),
-    *sides("distortion-k1-k2", "k1 and k2 are exchanged in {}.", _bend([1, 0, 2, 3, 4])),
-    *sides("distortion-k2", "k2 is ignored in {}.", _bend(_KEPT, (1, 0, 1, 1, 1))),
+    *sides("distortion-k1-k2", _bend([1, 0, 2, 3, 4])),
+    *sides("distortion-k2", _bend(_KEPT, (1, 0, 1, 1, 1))),
     *sides(
-        "distortion-tangential",
-        "Tangential distortion (p1, p2) has the wrong sign in {}.",
+        "distortion-tangential: sign",
         _bend(_KEPT, (1, 1, -1, -1, 1)),
     ),
     *sides(
-        "undistortion-unfinished",
-        "Undistortion in {} is the model with opposite signs: right to first order only, iterate instead.",
+        "undistortion-unfinished: opposite signs",
         _undone(lambda seen, bend: bent(seen, -bend)),
         cost=0.001,
     ),
@@ -147,14 +134,12 @@ DISTORTION: tuple[Mistake, ...] = (
         for steps in (1, 2, 3, 4, 5, 6, 8, 10, 15, 20)
         for mistake in (
             Mistake(
-                "undistortion-unfinished",
-                _EARLY.format(f"{steps} fixed-point steps", " (OpenCV's default is 5)"),
+                saying("undistortion-unfinished: fixed point", steps=steps),
                 of_both(_undone(_fixed_point(steps))),
                 cost=0.001,
             ),
             Mistake(
-                "undistortion-unfinished",
-                _EARLY.format(f"{steps} steps of subtraction", ""),
+                saying("undistortion-unfinished: subtraction", steps=steps),
                 of_both(_undone(_subtracted(steps))),
                 cost=0.001,
             ),
@@ -162,8 +147,7 @@ DISTORTION: tuple[Mistake, ...] = (
     ),
     *(
         Mistake(
-            "undistortion-unfinished",
-            _EARLY.format(f"{steps} Newton steps", ""),
+            saying("undistortion-unfinished: Newton", steps=steps),
             of_both(_undone(_newton(steps))),
             cost=0.001,
         )

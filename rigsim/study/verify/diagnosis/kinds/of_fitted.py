@@ -8,21 +8,22 @@ from dataclasses import replace
 import numpy as np
 
 from rigsim.rig.arrays import Array, Mask
+from rigsim.study.saying import saying
 from rigsim.study.verify.diagnosis.evidence import Evidence
 from rigsim.study.verify.diagnosis.mistake import Mistake
 from rigsim.study.verify.diagnosis.reenact import Given, Lenses, given, solve_midpoint
 from rigsim.study.verify.result import CaseResult
 
 _UNITS = {
-    1000.0: ("millimetres", "millimetres come back for metres (or t is in millimetres)"),
-    0.001: ("metres-per-thousand", "metres are divided by 1000 once too often"),
-    100.0: ("centimetres", "centimetres come back for metres"),
-    0.01: ("metres-per-hundred", "metres are divided by 100 once too often"),
-    39.37007874: ("inches", "inches come back for metres"),
-    3.280839895: ("feet", "feet come back for metres"),
-    0.0254: ("inches", "metres are taken for inches"),
-    2.0: ("factor-two", "twice the baseline, or half the disparity"),
-    0.5: ("factor-two", "half the baseline, or twice the disparity"),
+    1000.0: "millimetres",
+    0.001: "metres-per-thousand",
+    100.0: "centimetres",
+    0.01: "metres-per-hundred",
+    39.37007874: "inches",
+    3.280839895: "feet",
+    0.0254: "inches: taken for",
+    2.0: "factor-two",
+    0.5: "factor-two: half",
 }
 _FEW = 3
 _KEPT_SAME = 1e-3  # solvers differ by more than rounding where lines of sight no longer meet
@@ -44,26 +45,21 @@ def fitted(evidence: Evidence, results: Sequence[CaseResult]) -> Iterator[Mistak
 def _scales(evidence: Evidence, rows: Mask, found: Array, right: Array) -> Iterator[Mistake]:
     k = float(np.median(np.sum(found * right, axis=1) / np.sum(right**2, axis=1)))
     known = [unit for unit in _UNITS if abs(k / unit - 1) < 1e-4] if k else []
-    name, what = _UNITS[known[0]] if known else ("scale", "a constant factor on t, on f or on the answer")
+    size = saying("times-too-large" if abs(k) > 1 else "of-what-they-must-be", times=k)
     yield Mistake(
-        name,
-        f"All three coordinates are {k:.6g} times too large: {what}."
-        if abs(k) > 1
-        else f"All three coordinates are {k:.6g} of what they must be: {what}.",
+        saying(_UNITS[known[0]] if known else "scale", size=size),
         after=lambda X, g: k * X,
         cost=0.002 if known else 0.008,
     )
     kz = float(np.median(found[:, 2] / right[:, 2]))
     yield Mistake(
-        "depth-scale",
-        f"z alone is {kz:.6g} times what it must be; x and y are right.",
+        saying("depth-scale", times=kz),
         after=lambda X, g: X * (1.0, 1.0, kz),
         cost=0.01,
     )
     kxy = float(np.median(np.sum((found * right)[:, :2], axis=1) / np.sum(right[:, :2] ** 2, axis=1)))
     yield Mistake(
-        "xy-scale",
-        f"x and y are {kxy:.6g} times what they must be; z is right.",
+        saying("xy-scale", times=kxy),
         after=lambda X, g: X * (kxy, kxy, 1.0),
         cost=0.01,
     )
@@ -73,14 +69,12 @@ def _scales(evidence: Evidence, rows: Mask, found: Array, right: Array) -> Itera
             return replace(lens, f=lens.f * kz)
 
         yield Mistake(
-            "focal-scale",
-            f"Both focal lengths are {kz:.6g} times what they must be: another resolution, or px and mm.",
+            saying("focal-scale", times=kz),
             lambda g: replace(g, left=longer(g.left), right=longer(g.right)),
             cost=0.008,
         )
         yield Mistake(
-            "baseline-scale",
-            f"The baseline is {kz:.6g} times what it must be.",
+            saying("baseline-scale", times=kz),
             lambda g: replace(g, t=kz * g.t),
             cost=0.009,
         )
@@ -94,8 +88,7 @@ def _undivided(evidence: Evidence) -> Mistake:
         return np.asarray(X * (signs / np.sqrt(1 + np.sum(X**2, axis=1)))[:, None])
 
     return Mistake(
-        "homogeneous-answer",
-        "Homogeneous coordinates are not divided by the fourth.",
+        saying("homogeneous-answer: undivided"),
         after=undivided,
         cost=0.002,
     )
@@ -103,10 +96,9 @@ def _undivided(evidence: Evidence) -> Mistake:
 
 def _shift(found: Array, right: Array) -> Mistake:
     shift = np.median(found - right, axis=0)
-    x, y, z = shift * 1e3
+    x, y, z = (float(value) for value in shift * 1e3)
     return Mistake(
-        "shifted-points",
-        f"All points are shifted by the same ({x:.4g}, {y:.4g}, {z:.4g}) mm.",
+        saying("shifted-points", shift_mm=(x, y, z)),
         after=lambda X, g: X + shift,
         cost=0.02,
     )
@@ -125,15 +117,9 @@ def _pixel_offset(evidence: Evidence, rows: Mask) -> Mistake:
         offsets = np.concatenate(seen)
         finite = np.isfinite(offsets).all(axis=1)
         by = np.median(offsets[finite], axis=0) if finite.any() else np.zeros(4)
-    disparity = by[0] - by[2]
-    says = (
-        f"Answers fit pixels that are off by ({by[0]:+.3g}, {by[1]:+.3g}) px on the left and "
-        f"({by[2]:+.3g}, {by[3]:+.3g}) px on the right, a disparity {disparity:+.3g} px too "
-        "large, in every case."
-    )
+    off_px = tuple(float(value) for value in by)
     return Mistake(
-        "pixel-offset",
-        says,
+        saying("pixel-offset", off_px=off_px, disparity_px=off_px[0] - off_px[2]),
         lambda g: replace(g, uv_left=g.uv_left + by[:2], uv_right=g.uv_right + by[2:]),
         cost=0.03,
     )
@@ -167,29 +153,21 @@ def _by_case(evidence: Evidence, rows: Mask) -> Iterator[Mistake]:
                 )[:, None]
     if len(factors) > 1:
         yield Mistake(
-            "scale-by-rig",
-            f"Answers are {min(factors):.4g} to {max(factors):.4g} times too large, a factor for "
-            "each rig: look for "
-            "what scales with the rig (baseline, focal length, image size).",
+            saying("scale-by-rig", least=min(factors), most=max(factors)),
             after=lambda X, g: scaled,
             cost=0.03,
         )
     if angles:
         degrees, metres = (float(np.median([angle[i] for angle in angles])) for i in range(2))
         yield Mistake(
-            "other-frame",
-            f"Points have the right shape in another frame, turned by {degrees:.3g} deg and "
-            f"{metres * 1e3:.4g} mm away: "
-            "R or t is used where it is not meant, or is missing.",
+            saying("other-frame", turn_deg=degrees, away_mm=metres * 1e3),
             after=lambda X, g: moved,
             cost=0.06,
         )
     if slopes:
         slope = float(np.median(slopes))
         yield Mistake(
-            "shrunk-depth" if slope < 1 else "stretched-depth",
-            f"Points lie on their left rays, but 1/z is {slope:.3g} times the true one and a constant: "
-            "depths are drawn towards one, as by a prior, or the disparity has an offset.",
+            saying("shrunk-depth" if slope < 1 else "stretched-depth", slope=slope),
             after=lambda X, g: bent,
             cost=0.05,
         )
@@ -209,9 +187,8 @@ def _stale(evidence: Evidence, results: Sequence[CaseResult]) -> Iterator[Mistak
     """The rig of a case that came earlier."""
     place = {id(result): i for i, result in enumerate(results)}
     before = [max(0, place[id(result)] - 1) for result in evidence.results]
-    says = "The rig of {} is used: something computed from it is kept from call to call."
     counts = np.bincount(evidence.case, minlength=len(evidence.results)).tolist()
-    for what, indices in (("the first call", [0] * len(before)), ("the call before", before)):
+    for form, indices in (("stale-rig: first", [0] * len(before)), ("stale-rig", before)):
         other = given(
             [results[i].case.rig for i in indices], counts, evidence.given.uv_left, evidence.given.uv_right
         )
@@ -219,14 +196,14 @@ def _stale(evidence: Evidence, results: Sequence[CaseResult]) -> Iterator[Mistak
         def stale(g: Given, other: Given = other) -> Given:
             return other
 
-        yield Mistake("stale-rig", says.format(what), stale, cost=0.004)
+        yield Mistake(saying(form), stale, cost=0.004)
 
 
 def kept(evidence: Evidence, results: Sequence[CaseResult]) -> Iterator[Mistake]:
     """The rig of whichever earlier call explains a failing case best: a cache with too short a key."""
     place = {id(result): i for i, result in enumerate(results)}
     answers = evidence.right.copy()
-    told: list[str] = []
+    told: list[tuple[str, str]] = []
     for index in np.flatnonzero(evidence.failing):
         mine = evidence.case == index
         result = evidence.results[index]
@@ -243,12 +220,10 @@ def kept(evidence: Evidence, results: Sequence[CaseResult]) -> Iterator[Mistake]
                 nearest = points
         if best < _KEPT_SAME:
             answers[mine] = nearest
-            told.append(f"'{result.case.name}' with that of '{whose}'")
+            told.append((result.case.name, whose))
     if told:
         yield Mistake(
-            "stale-rig",
-            f"The rig of an earlier call is used ({told[0]}): something computed from it is kept under a key"
-            " that other rigs share.",
+            saying("stale-rig: kept", case=told[0][0], of=told[0][1]),
             after=lambda X, g: answers,
             cost=0.03,
         )

@@ -1,4 +1,4 @@
-"""Mistakes with pixels, principal points, focal lengths, distortion and number formats."""
+"""Mistakes with pixels, principal points and focal lengths."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from typing import Literal
 import numpy as np
 
 from rigsim.rig.arrays import Array
-from rigsim.study.verify.diagnosis.mistake import Before, Mistake, of_both, sides
+from rigsim.study.saying import saying
+from rigsim.study.verify.diagnosis.mistake import SIDES, Before, Mistake, of_both, of_pixels, sides
 from rigsim.study.verify.diagnosis.reenact import Given, Lenses
 
 
@@ -19,15 +20,12 @@ def _centre_moved(*by_px: float) -> Callable[[Lenses], Lenses]:
 
 def _half_pixel() -> tuple[Mistake, ...]:
     made: list[Mistake] = []
-    for px, name, why in (
-        (0.5, "half-pixel", "W/2 stands for (W-1)/2, or pixels are counted from the image's corner"),
-        (1.0, "pixels-from-one", "pixels are counted from 1"),
-    ):
+    for px, name in ((0.5, "half-pixel"), (1.0, "pixels-from-one")):
         for sign, more in ((1, "more"), (-1, "less")):
-            says = f"The principal point is {px:g} px {more} than it is in {{}}: {why}."
-            made += sides(name, says, _centre_moved(sign * px, sign * px))
+            made += sides(name, _centre_moved(sign * px, sign * px), px=px, way=more)
             for axis, du, dv in (("u", sign * px, 0.0), ("v", 0.0, sign * px)):
-                made += sides(name, f"{says[:-1]} (along {axis} alone).", _centre_moved(du, dv), cost=0.002)
+                moved = _centre_moved(du, dv)
+                made += sides(f"{name}: along an axis", moved, cost=0.002, px=px, way=more, axis=axis)
     return tuple(made)
 
 
@@ -50,9 +48,6 @@ def _doffs(scale: float, only_parallel: bool) -> Before:
         return replace(g, right=replace(g.right, c=c))
 
     return change
-
-
-_SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
 
 
 def _flipped(axis: int, only: Literal["left", "right", ""] = "") -> Before:
@@ -81,51 +76,6 @@ def _times(scale: float) -> Callable[[Array], Array]:
     return lambda uv: uv * scale
 
 
-def _pixels(change: Callable[[Array], Array]) -> Before:
-    return lambda g: replace(g, uv_left=change(g.uv_left), uv_right=change(g.uv_right))
-
-
-def _whole_disparity(step: float) -> Before:
-    def change(g: Given) -> Given:
-        uv_right = g.uv_right.copy()
-        disparity = g.uv_left[:, 0] - uv_right[:, 0]
-        uv_right[:, 0] = g.uv_left[:, 0] - np.round(disparity / step) * step
-        return replace(g, uv_right=uv_right)
-
-    return change
-
-
-def _single(array: Array) -> Array:
-    with np.errstate(over="ignore"):
-        return array.astype(np.float32).astype(np.float64)
-
-
-def _single_cameras(g: Given) -> Given:
-    def lens(camera: Lenses) -> Lenses:
-        return replace(camera, f=_single(camera.f), c=_single(camera.c))
-
-    return replace(g, left=lens(g.left), right=lens(g.right))
-
-
-def _single_rotation(g: Given) -> Given:
-    return replace(g, R=_single(g.R))
-
-
-def _single_translation(g: Given) -> Given:
-    return replace(g, t=_single(g.t))
-
-
-def _single_lenses(g: Given) -> Given:
-    def lens(camera: Lenses) -> Lenses:
-        return replace(camera, bend=_single(camera.bend))
-
-    return replace(g, left=lens(g.left), right=lens(g.right))
-
-
-def _single_rig(g: Given) -> Given:
-    return _single_lenses(_single_translation(_single_rotation(_single_cameras(g))))
-
-
 def _normalised_twice(g: Given) -> Given:
     """Rays taken for pixels: K is applied to what it was taken from already."""
 
@@ -141,194 +91,82 @@ def _normalised_twice(g: Given) -> Given:
     )
 
 
-_PRINCIPAL = "the calibrated cx, cy are not used"
-
 PIXELS: tuple[Mistake, ...] = (
     *_half_pixel(),
     *sides(
         "image-centre-for-principal-point",
-        f"The middle of the picture, (W-1)/2, stands for the principal point in {{}}: {_PRINCIPAL}.",
         _middle(1.0),
         cost=0.001,
     ),
     *sides(
-        "image-centre-for-principal-point",
-        f"W/2 stands for the principal point in {{}}: half a pixel too much, and {_PRINCIPAL}.",
+        "image-centre-for-principal-point: W/2",
         _middle(0.0),
         cost=0.001,
     ),
     *sides(
         "principal-point-missing",
-        "The principal point is not subtracted in {}: pixels count from the corner.",
         lambda lens: replace(lens, c=0 * lens.c),
     ),
     *sides(
         "intrinsics-missing",
-        "Pixels are taken for rays in {}: K is not undone.",
         lambda lens: replace(lens, c=0 * lens.c, f=0 * lens.f + 1),
         cost=0.001,
     ),
     *(
         Mistake(
-            "doffs-" + how,
-            f"The principal points' difference (doffs = cx_right - cx_left) is {what}.",
+            saying(form),
             _doffs(scale, only_parallel),
             cost=0.001 * only_parallel,
         )
-        for how, what, scale in (
-            ("ignored", "ignored: Z = f B / (d + doffs)", 0.0),
-            ("sign", "subtracted where it must be added", -1.0),
-            ("twice", "added twice", 2.0),
-        )
+        for form, scale in (("doffs-ignored", 0.0), ("doffs-sign", -1.0), ("doffs-twice", 2.0))
         for only_parallel in (False, True)
     ),
     Mistake(
-        "flipped-v",
-        "v is counted from the bottom: rows are flipped (H - 1 - v) in both images.",
+        saying("flipped-v"),
         _flipped(1),
     ),
-    Mistake(
-        "flipped-v", "y has the wrong sign: cy - v stands for v - cy, an axis that points up.", _mirrored(1)
-    ),
-    Mistake("flipped-u", "u is counted from the right: columns are flipped in both images.", _flipped(0)),
-    Mistake("flipped-u", "x has the wrong sign: cx - u stands for u - cx.", _mirrored(0)),
+    Mistake(saying("flipped-v: axis"), _mirrored(1)),
+    Mistake(saying("flipped-u"), _flipped(0)),
+    Mistake(saying("flipped-u: axis"), _mirrored(0)),
     *(
         Mistake(
-            "flipped-v",
-            f"v is counted from the bottom in the {side} image alone.",
+            saying("flipped-v: one image", image=side),
             _flipped(1, side),
             cost=0.002,
         )
-        for side in _SIDES
+        for side in SIDES
     ),
     Mistake(
-        "row-column-exchanged",
-        "u and v are exchanged: (row, column) is given where (column, row) is meant.",
-        _pixels(lambda uv: uv[:, ::-1]),
+        saying("row-column-exchanged"),
+        of_pixels(lambda uv: uv[:, ::-1]),
     ),
     Mistake(
-        "row-column-exchanged",
-        "cx and cy are exchanged.",
+        saying("row-column-exchanged: cx and cy"),
         of_both(lambda lens: replace(lens, c=lens.c[:, ::-1])),
         cost=0.001,
     ),
     *sides(
         "fx-fy-exchanged",
-        "fx and fy are exchanged in {}.",
         lambda lens: replace(lens, f=lens.f[:, ::-1]),
         cost=0.001,
     ),
     *sides(
         "fx-for-fy",
-        "fx is used for fy in {}: pixels are taken to be square.",
         lambda lens: replace(lens, f=lens.f[:, [0, 0]]),
     ),
     Mistake(
-        "normalised-twice",
-        "Normalised rays are given where pixels are meant: K^-1 was applied already, and K[R|t] projects to"
-        " pixels; use [R|t] with rays, K[R|t] with pixels.",
+        saying("normalised-twice"),
         _normalised_twice,
         cost=0.001,
     ),
-    *sides("fy-for-fx", "fy is used for fx in {}.", lambda lens: replace(lens, f=lens.f[:, [1, 1]])),
+    *sides("fy-for-fx", lambda lens: replace(lens, f=lens.f[:, [1, 1]])),
     *(
         Mistake(
-            "image-scale",
-            f"Pixels are scaled by {scale:g} against the calibration, as after resizing the pictures.",
-            _pixels(_times(scale)),
+            saying("image-scale", scale=scale),
+            of_pixels(_times(scale)),
             cost=0.002,
         )
         for scale in (2.0, 0.5)
     ),
 )
 """Where a pixel is."""
-
-
-def _rounded(step: float) -> Callable[[Array], Array]:
-    return lambda uv: np.round(uv / step) * step
-
-
-def _rounded_one(side: Literal["left", "right"], step: float) -> Before:
-    change = _rounded(step)
-    if side == "left":
-        return lambda g: replace(g, uv_left=change(g.uv_left))
-    return lambda g: replace(g, uv_right=change(g.uv_right))
-
-
-def _short(values: Array, digits: int, significant: bool) -> Array:
-    if not significant:
-        return np.asarray(np.round(values, digits))
-    scale = 10.0 ** (digits - 1 - np.floor(np.log10(np.where(values == 0, 1.0, np.abs(values)))))
-    return np.asarray(np.round(values * scale) / scale)
-
-
-def _short_rig(digits: int, significant: bool) -> Before:
-    def lens(camera: Lenses) -> Lenses:
-        f, c, bend = (_short(values, digits, significant) for values in (camera.f, camera.c, camera.bend))
-        return replace(camera, f=f, c=c, bend=bend)
-
-    return lambda g: replace(
-        g,
-        left=lens(g.left),
-        right=lens(g.right),
-        R=_short(g.R, digits, significant),
-        t=_short(g.t, digits, significant),
-    )
-
-
-_ROUNDED = "Pixels are rounded to {} before use: an integer type, or a step of the matcher."
-NUMBERS: tuple[Mistake, ...] = (
-    Mistake("rounded-pixels", _ROUNDED.format("whole pixels"), _pixels(np.round)),
-    Mistake("rounded-pixels", _ROUNDED.format("whole pixels (downwards)"), _pixels(np.floor)),
-    Mistake("rounded-pixels", _ROUNDED.format("whole pixels (upwards)"), _pixels(np.ceil)),
-    *(
-        Mistake("rounded-pixels", _ROUNDED.format(f"1/{n} px"), _pixels(_rounded(1 / n)))
-        for n in (2, 4, 8, 10, 16, 32, 100, 256, 1000, 10_000)
-    ),
-    *(
-        Mistake(
-            "rounded-pixels",
-            f"Pixels of the {side} image are rounded to {step} px: an integer type, or a matcher's step.",
-            _rounded_one(side, size),
-            cost=0.002,
-        )
-        for side in _SIDES
-        for step, size in (("whole", 1.0), ("1/2", 0.5), ("1/4", 0.25), ("1/8", 0.125), ("1/16", 0.0625))
-    ),
-    *(
-        Mistake(
-            "rounded-calibration",
-            f"The calibration was written with {digits} {what}: 17 significant digits hold a double.",
-            _short_rig(digits, significant),
-            cost=0.003,
-        )
-        for digits in range(2, 9)
-        for what, significant in (("decimals", False), ("significant digits", True))
-    ),
-    *(
-        Mistake(
-            "rounded-disparity",
-            f"Disparities are rounded to {what}, as a dense matcher returns them.",
-            _whole_disparity(step),
-        )
-        for what, step in (("whole pixels", 1.0), ("1/4 px", 0.25), ("1/8 px", 0.125), ("1/16 px", 1 / 16))
-    ),
-    Mistake("nan-answered", "Missing pixels (NaN) are taken for 0.", _pixels(np.nan_to_num)),
-    Mistake("single-precision", "Pixels are held in single precision (float32).", _pixels(_single)),
-    Mistake("single-precision", "The calibration is held in single precision (float32).", _single_rig),
-    *(
-        Mistake("single-precision", f"The {what} held in single precision (float32).", change, cost=0.0005)
-        for what, change in (
-            ("camera matrices are", _single_cameras),
-            ("rotation is", _single_rotation),
-            ("translation is", _single_translation),
-            ("distortion coefficients are", _single_lenses),
-        )
-    ),
-    Mistake(
-        "single-precision",
-        "Pixels and calibration are held in single precision (float32).",
-        lambda g: _pixels(_single)(_single_rig(g)),
-    ),
-)
-"""How many digits a pixel has."""

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from rigsim.rig.arrays import Array
+from rigsim.study.saying import saying
 from rigsim.study.verify.diagnosis.mistake import Mistake
 from rigsim.study.verify.diagnosis.reenact import Given, turned, turned_back, unit
 
@@ -93,108 +94,86 @@ def _unit_length(g: Given) -> Array:
     return unit(g.t)
 
 
-_DEGREES = "The rotation is built from degrees where radians are meant, or the other way round"
-_EULER = "The rotation's angles are put together in another order than they were taken apart"
-
 POSE: tuple[Mistake, ...] = (
     Mistake(
-        "inverse-pose",
-        "The pose is used the wrong way round: right_from_left (x_right = R x_left + t) is taken for its "
-        "inverse.",
+        saying("inverse-pose"),
         invert,
     ),
     Mistake(
-        "transposed-rotation",
-        "R is transposed: a row-major matrix read by columns, or the inverse rotation with the right t.",
+        saying("transposed-rotation"),
         _rotated(lambda R: R.transpose(0, 2, 1)),
     ),
     Mistake(
-        "transposed-rotation",
-        "The right camera's rays are turned by R where its transpose is meant; its place is right.",
+        saying("transposed-rotation: rays"),
         _turned_ray,
         cost=0.001,
     ),
     Mistake(
-        "baseline-sign",
-        "t has the wrong sign: the right camera is put on the left camera's other side.",
+        saying("baseline-sign"),
         _moved(lambda g: -g.t),
     ),
     Mistake(
-        "centre-for-translation",
-        "t is taken for the right camera's place (-R^T t), or its place for t.",
+        saying("centre-for-translation"),
         _moved(lambda g: g.centre_right),
         cost=0.001,
     ),
     Mistake(
-        "centre-for-translation",
-        "R^T t stands for t: the translation is rotated once too often.",
+        saying("centre-for-translation: R^T t"),
         _moved(lambda g: turned_back(g.R, g.t)),
         cost=0.001,
     ),
     Mistake(
-        "centre-for-translation",
-        "R t stands for t: the translation is rotated once too often.",
+        saying("centre-for-translation: R t"),
         _moved(lambda g: turned(g.R, g.t)),
         cost=0.001,
     ),
     Mistake(
-        "centre-for-translation",
-        "The camera's place lacks its R^T: -t is used where -R^T t is meant.",
+        saying("centre-for-translation: no R^T"),
         _moved(lambda g: -turned(g.R, g.t)),
         cost=0.001,
     ),
     Mistake(
-        "rotation-ignored",
-        "The rotation between the cameras is ignored: R is taken for the identity.",
+        saying("rotation-ignored"),
         _rotated(lambda R: np.broadcast_to(np.eye(3), R.shape)),
     ),
     Mistake(
-        "small-angle",
-        "The rotation is taken to first order, 1 + [w]x: that holds for small angles alone.",
+        saying("small-angle"),
         _rotated(_small_angle),
         cost=0.001,
     ),
     Mistake(
-        "baseline-along-x-only",
-        "Only the x component of t is used: the right camera is taken to sit exactly beside the left one.",
+        saying("baseline-along-x-only"),
         _moved(_along_x),
         cost=0.001,
     ),
     Mistake(
-        "baseline-along-x-only",
-        "The whole length of t is laid along x: the right camera is taken to sit exactly beside "
-        "the left one.",
+        saying("baseline-along-x-only: whole length"),
         _moved(_all_along_x),
         cost=0.001,
     ),
     *(
         Mistake(
-            "baseline-component-lost",
-            f"Component {axis} of t is lost or zero.",
+            saying("baseline-component-lost", axis=axis),
             _moved(_component(i, 0.0)),
             cost=0.002,
         )
         for i, axis in enumerate("xyz")
     ),
     Mistake(
-        "unit-baseline",
-        "The baseline's length is lost: t is scaled to length 1, as recoverPose gives it.",
+        saying("unit-baseline"),
         _moved(_unit_length),
     ),
     Mistake(
-        "degrees-for-radians",
-        f"{_DEGREES}: the angle is 57.3 times too large.",
+        saying("degrees-for-radians: too large"),
         _rotated(_vector(np.degrees)),
     ),
     Mistake(
-        "degrees-for-radians",
-        f"{_DEGREES}: the angle is 57.3 times too small.",
+        saying("degrees-for-radians: too small"),
         _rotated(_vector(np.radians)),
     ),
     *(
         Mistake(
-            "degrees-for-radians",
-            f"{_DEGREES} (Euler angles {order}).",
+            saying("degrees-for-radians: Euler", order=order),
             _rotated(_euler(order, order, change)),
         )
         for order in _ORDERS
@@ -202,43 +181,39 @@ POSE: tuple[Mistake, ...] = (
     ),
     *(
         Mistake(
-            "euler-order", f"{_EULER}: {read} and {written}.", _rotated(_euler(read, written)), cost=0.002
+            saying("euler-order", read=read, written=written), _rotated(_euler(read, written)), cost=0.002
         )
         for read, written in _MIXED
     ),
     *(
         Mistake(
-            "baseline-sign",
-            f"Component {axis} of t has the wrong sign.",
+            saying("baseline-sign: component", axis=axis),
             _moved(_component(i, -1.0)),
             cost=0.002,
         )
         for i, axis in enumerate("xyz")
     ),
     Mistake(
-        "centre-for-translation",
-        "The right camera's place is computed as -R t where -R^T t is meant.",
+        saying("centre-for-translation: -R t"),
         _moved(lambda g: turned(g.R, turned(g.R, g.t))),
         cost=0.002,
     ),
     *(
         Mistake(
-            "rotation-angle",
-            f"The rotation about {axis} {what}.",
+            saying(f"rotation-angle: {what}", axis=axis),
             _rotated(_one_angle(i, factor, others)),
             cost=0.003,
         )
         for i, axis in enumerate("xyz")
         for what, factor, others in (
-            ("has the wrong sign", -1.0, 1.0),
-            ("is lost", 0.0, 1.0),
-            ("alone is used", 1.0, 0.0),
+            ("sign", -1.0, 1.0),
+            ("lost", 0.0, 1.0),
+            ("alone", 1.0, 0.0),
         )
     ),
     *(
         Mistake(
-            "euler-order",
-            f"The rotation vector's three numbers are taken for Euler angles ({order}).",
+            saying("euler-order: rotation vector", order=order),
             _rotated(_vector_as_euler(order)),
             cost=0.002,
         )
@@ -246,8 +221,7 @@ POSE: tuple[Mistake, ...] = (
     ),
     *(
         Mistake(
-            "quaternion-order",
-            "The quaternion's scalar is looked for at the wrong end: (w, x, y, z) and (x, y, z, w) differ.",
+            saying("quaternion-order"),
             _rotated(_quaternion_order(order)),
             cost=0.002,
         )

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigsim.rig.arrays import Array
+from rigsim.study.saying import saying
 from rigsim.study.verify.diagnosis.kinds.of_answer import opencv_rectified
 from rigsim.study.verify.diagnosis.mistake import Mistake
 from rigsim.study.verify.diagnosis.reenact import Given, Lenses, homogeneous, turned
@@ -68,19 +69,17 @@ def _identity(points: Array, g: Given) -> Array:
 
 
 _AFTER: tuple[tuple[str, Callable[[Array, Given], Array]], ...] = (
-    ("", _identity),
-    (" The points were rotated back by R1.", _turned_back),
+    ("rectified-matrices", _identity),
+    ("rectified-matrices: rotated back", _turned_back),
 )
 
 RECTIFICATION: tuple[Mistake, ...] = tuple(
     Mistake(
-        "rectified-matrices",
-        "P1 and P2 of a rectification (stereoRectify) are used with pixels that are not rectified: undistort"
-        f" and rectify them first, or use K[R|t].{more}",
+        saying(form),
         _raw_pixels,
         after=after,
         cost=0.002,
     )
-    for more, after in _AFTER
+    for form, after in _AFTER
 )
 """Rectified matrices with raw pixels."""

@@ -1,15 +1,40 @@
-"""What `rigsim measure --json` prints and measure.json holds."""
+"""The parts of measure.json: what its keys mean. Keys stand in the order in which they are written."""
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, TypeAlias
 
-from rigsim.interop.documents.base import Part, Rig, Written
+from pydantic import Field
+
+from rigsim.interop.documents.base import Part, Written
+from rigsim.study.measure.result import FindingKind
+
+RegionName: TypeAlias = Literal["all", "non-occluded", "occluded", "textureless", "near-discontinuity"]
+WarningKey: TypeAlias = Literal[
+    "few_matches",
+    "not_rectified",
+    "shift",
+    "overconfident",
+    "wrong_truth",
+    "dense_shift",
+    "dense_not_judged",
+    "no_patches",
+    "scale",
+]
+VerdictKey: TypeAlias = Literal["rows_fit", "rows_untold", "not_rectified", "along_rows", "scale"]
 
 
-class BelievedRig(Rig):
+class BelievedRig(Part):
     """The rig that the pair was measured with."""
 
+    width_px: int = Field(gt=0)
+    """Image width, px."""
+    height_px: int = Field(gt=0)
+    """Image height, px."""
+    focal_px: float = Field(gt=0)
+    """Focal length of the left camera, px."""
+    baseline_mm: float = Field(gt=0)
+    """Distance between the cameras, mm."""
     doffs_px: float
     """``cx_right - cx_left``, px."""
     rectified: bool
@@ -41,19 +66,24 @@ class Wrong(Part):
     """1.4826 times the median absolute deviation from the median error, px."""
 
 
-class Region(Wrong):
-    """Errors of the dense disparities over one region."""
+class Judged(Part):
+    """How many pixels of a region are judged."""
 
     n: int | None
     """Pixels with ground truth."""
     invalid_pct: float | None
     """Share of them without a disparity, percent."""
+
+
+class Region(Wrong, Judged):
+    """Errors of the dense disparities over one region."""
+
     fill_pct: float | None
     """Share of them with a disparity, percent; without a truth, of all pixels."""
 
 
-class Matches(Wrong):
-    """Trusted matches of one kind."""
+class Found(Part):
+    """How many matches there are, and what they claim."""
 
     n: int
     """How many there are."""
@@ -75,6 +105,11 @@ class Matches(Wrong):
     """Median standard deviation that they claim for their depth, mm."""
     n_truth: int | None
     """Matches whose truth is known; null without a truth."""
+
+
+class Matches(Wrong, Found):
+    """Trusted matches of one kind."""
+
     outlier_pct: float | None
     """Share more than 3 px off, percent."""
     inlier_std_px: float | None
@@ -133,8 +168,8 @@ class DenseDepth(Part):
     """The same for errors over true depth, percent."""
 
 
-class Dense(Region):
-    """A disparity for every pixel."""
+class Matched(Part):
+    """Who found the dense disparities, and how many."""
 
     matcher: str
     """Who found it."""
@@ -142,13 +177,16 @@ class Dense(Region):
     """Whether the pictures had to be rectified first."""
     image_fill_pct: float
     """Share of all pixels with a disparity, percent."""
+
+
+class Dense(Region, Matched):
+    """A disparity for every pixel."""
+
     inlier_std_px: float | None
     """Standard deviation of the errors of at most 3 px, px."""
     noise_px: float | None
     """The --noise that this corresponds to, px."""
-    regions: (
-        dict[Literal["all", "non-occluded", "occluded", "textureless", "near-discontinuity"], Region] | None
-    )
+    regions: dict[RegionName, Region] | None
     """Errors by Middlebury's region; null without a truth."""
     phase: Phase | None
     """Null without a truth."""
@@ -178,32 +216,22 @@ class Target(Part):
 class Warned(Part):
     """Something that should make one doubt the numbers."""
 
-    key: Literal[
-        "few_matches",
-        "not_rectified",
-        "shift",
-        "overconfident",
-        "wrong_truth",
-        "dense_shift",
-        "dense_not_judged",
-        "no_patches",
-        "scale",
-    ]
+    key: WarningKey
     """What it is."""
     says: str
     """The same in a sentence or two."""
-    kind: Literal["agrees", "flagged", "untold"]
+    kind: FindingKind
     """Whether it was found wrong, or could not be told."""
 
 
 class Verdict(Part):
     """What was concluded of one question."""
 
-    key: Literal["rows_fit", "rows_untold", "not_rectified", "along_rows", "scale"]
+    key: VerdictKey
     """Its reason: rows_* and not_rectified of the rows, along_rows and scale of what rows cannot tell."""
     says: str
     """The same in a sentence or two, with numbers."""
-    kind: Literal["agrees", "flagged", "untold"]
+    kind: FindingKind
     """untold: not enough to tell."""
 
 

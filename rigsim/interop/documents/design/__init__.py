@@ -1,0 +1,1 @@
+"""What `rigsim design --json` prints and design.json holds."""

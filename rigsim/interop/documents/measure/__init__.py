@@ -1,0 +1,1 @@
+"""What `rigsim measure --json` prints and measure.json holds."""

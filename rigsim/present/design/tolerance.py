@@ -1,0 +1,130 @@
+"""What the build of a recommended rig must hold, who holds it, and what would help, in sentences."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from rigsim.present.kit.sayings import Sentences, spoken
+from rigsim.study.design import words as words
+from rigsim.study.design.help import Attempt, Best
+from rigsim.study.design.tolerance import DesignTolerance
+from rigsim.study.tolerance.count import Count
+from rigsim.study.tolerance.predicted import NOISE, quantity_of
+from rigsim.study.tolerance.sensitivities import QUANTITIES, UNITS
+
+
+def _calibrated_before(parameter: str, std: float, share: float) -> str:
+    key = quantity_of(parameter)
+    if math.isfinite(share):
+        return f"{QUANTITIES[key]} calibrated to {100 * share:.2g} %"
+    amount = std * {"deg": math.degrees(1), "mm": 1e3}.get(UNITS[key], 1.0)
+    return f"{QUANTITIES[key]} calibrated to {amount:.2g} {UNITS[key]}".rstrip()
+
+
+CHANGED: Sentences = {
+    "calibrated-before": _calibrated_before,
+    "nothing": "nothing",
+    "more-pictures": "ten times the pictures",
+    "known-length": "a length known to {std_mm:g} mm",
+    "held": lambda quantities: f"{' and '.join(quantities)} held to a tenth of the class's tolerance",
+    "longest-baseline": lambda baseline_m: f"the longest baseline allowed, {words.size(baseline_m)}",
+    "other-rig": lambda baseline_m, camera: f"another rig, {words.size(baseline_m)} baseline and {camera}",
+    "half-noise": "half the pixel noise, {noise_px:.3g} px",
+}
+"""What may be changed where no class will do."""
+
+
+def tolerance_says(tolerance: DesignTolerance) -> str:
+    """What the build must hold, who holds it, and what would help where no class will do."""
+    told = (_must_hold(tolerance), _who(tolerance), _help(tolerance.best, tolerance.advice))
+    return " ".join(told).strip()
+
+
+def limit_says(tolerance: DesignTolerance) -> str:
+    """The yield of the class that will do, or was asked for, and what limits it."""
+    name, state, count = tolerance.told
+    limit = "pixel noise" if tolerance.limited_by == NOISE else QUANTITIES[tolerance.limited_by]
+    how = "recalibrated" if state == "recalibrated" else "as built"
+    return f"Class {name}, {how}: {words.share(count.share)} % with noise and build, limited most by {limit}."
+
+
+def attempt(tried: Attempt) -> str:
+    """What was changed."""
+    return spoken(tried.change, CHANGED)
+
+
+def _must_hold(tolerance: DesignTolerance) -> str:
+    result, asked = tolerance.result, tolerance.asked
+    p95 = " (p95)" if asked.is_p95 else ""
+    kept = f"{words.value(asked, asked.limit)}{p95} at {words.distance(asked.depth_m)}"
+    worst = [item for item in result.sensitivities if math.isfinite(item.needed_equal_share)][:2]
+    if not worst or worst[0].needed_equal_share == 0:
+        return f"Pixel noise alone exceeds {kept}: no build can meet it."
+    hold = " and ".join(
+        f"{QUANTITIES[item.key]} to {'±' * result.tolerances.is_bound(item.key)}"
+        f"{item.needed_equal_share:.2g} {UNITS[item.key]}".rstrip()
+        for item in worst
+    )
+    return (
+        f"For 95 of 100 rigs to stay within {kept}, pixel noise included, hold {hold} (when all quantities "
+        "take equal shares of the build error)."
+    )
+
+
+def _who(tolerance: DesignTolerance) -> str:
+    yields, class_name = tolerance.yields, tolerance.class_name
+    own = next(item for item in yields if item.name == class_name)
+    said = (
+        f"Of {class_name} rigs {words.share(own.as_built.share)} % meet it as built, "
+        f"{words.share(own.recalibrated.share)} % after recalibration"
+    )
+    for state, how in (("as_built", "as built"), ("recalibrated", "recalibrated")):
+        for item in yields:
+            count: Count = getattr(item, state)
+            if count.is_enough:
+                return f"{said}; class {item.name}, {how}, is enough ({words.share(count.share)} %)."
+    for state, how in (("as_built", "as built"), ("recalibrated", "recalibrated")):
+        for item in yields:
+            count = getattr(item, state)
+            if count.is_enough is None:
+                low, high = count.interval
+                return (
+                    f"{said}; not enough to tell whether class {item.name}, {how}, is enough: "
+                    f"{100 * low:.1f} to {100 * high:.1f} % of its rigs meet it, 95 % are required."
+                )
+    return f"{said}; no class is enough: a yield of 95 % is required."
+
+
+def _help(best: Best, tried: Sequence[Attempt]) -> str:
+    """What of all that was tried would do, else what helps, else that nothing does; empty without any."""
+    if not tried:
+        return ""
+    how = "recalibrated" if best.recalibrated else "as built"
+    nearest = f"The closest is {best.name} {how}, {words.share(best.count.share)} %"
+    enough = _shortest([item for item in tried if item.count.is_enough])
+    if enough:
+        said = "; or ".join(f"{attempt(item)} ({words.share(item.count.share)} %)" for item in enough)
+        return f"{nearest}: enough would be {said}."
+    helping = sorted((item for item in tried if item.helps(best.count)), key=lambda item: -item.count.share)
+    if helping:
+        said = ", ".join(f"{attempt(item)} ({words.share(item.count.share)} %)" for item in helping)
+        return f"{nearest}; these help, but not enough alone: {said}."
+    said = ", ".join(attempt(item) for item in tried)
+    return f"{nearest}; nothing that was tried helps: {said}. Relax the requirement, or raise --build-share."
+
+
+def _shortest(enough: Sequence[Attempt]) -> list[Attempt]:
+    """Without those that only hold more quantities than another."""
+    held = [_held(item) for item in enough]
+    return [
+        item
+        for item, names in zip(enough, held, strict=True)
+        if not any(other and len(other) < len(names) and names[: len(other)] == other for other in held)
+    ]
+
+
+def _held(item: Attempt) -> tuple[object, ...]:
+    """The quantities that are held more tightly; none where something else was changed."""
+    names = dict(item.change.values).get("quantities", ())
+    return names if isinstance(names, tuple) else ()

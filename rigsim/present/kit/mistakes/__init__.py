@@ -1,0 +1,1 @@
+"""What every mistake that `verify` and `sweep` know is called in a sentence, by what is done wrong."""
