@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import resource
 import time
 from dataclasses import replace
@@ -83,7 +82,7 @@ def worst_reference(rig: StereoRig) -> float:
     return worst
 
 
-def single_residuals(compensator: Compensator, pixels: Array, known_m: float, theta: Array) -> Array:
+def single_residuals(compensator: Compensator, pixels: Array, known_m: Array, theta: Array) -> Array:
     """The residuals of one rig, by its own pose, lenses and optimal triangulation."""
     rig = built(compensator.rig, theta)
     left = np.column_stack([rig.left.normalize(pixels[:2].T), np.ones(pixels.shape[1])])
@@ -94,9 +93,11 @@ def single_residuals(compensator: Compensator, pixels: Array, known_m: float, th
         [lines_left[:, :2] / (rig.left.fx, rig.left.fy), lines_right[:, :2] / (rig.right.fx, rig.right.fy)]
     )
     epipolar = (right * lines_right).sum(axis=1) / np.linalg.norm(slopes, axis=1)
-    one, other = triangulate(rig, pixels[:2, -2:].T, pixels[2:, -2:].T)
-    length = known_m * (1 - known_m / np.linalg.norm(other - one)) / length_sigma_m(compensator)
-    return np.concatenate([epipolar[:-2] / compensator.noise_px, [length], theta / compensator.std])
+    features = len(compensator.features_left)
+    marks = triangulate(rig, pixels[:2, features:].T, pixels[2:, features:].T)
+    found_m = np.linalg.norm(marks[1::2] - marks[::2], axis=1)
+    length = known_m * (1 - known_m / found_m) / length_sigma_m(compensator)
+    return np.concatenate([epipolar[:features] / compensator.noise_px, length, theta / compensator.std])
 
 
 def built(rig: StereoRig, theta: Array) -> StereoRig:
@@ -111,17 +112,17 @@ def built(rig: StereoRig, theta: Array) -> StereoRig:
     return StereoRig(left, replace(right, cy=right.cy + right_cy_px), moved.right_from_left)
 
 
-def length_sigma_m(compensator: Compensator) -> float:
-    """Standard deviation of the known length as seen, by finite differences."""
+def length_sigma_m(compensator: Compensator) -> Array:
+    """Standard deviations of the known lengths as seen, by finite differences."""
     rig = compensator.rig
     pixels = np.hstack(rig.project(compensator.marks_left))
-    variance = compensator.length_std_m**2
-    for place in np.ndindex(2, 4):
+    variance = np.full(len(pixels) // 2, compensator.length_std_m**2)
+    for place in np.ndindex(*pixels.shape):
         lengths = []
         for step in (1e-3, -1e-3):
             moved = pixels.copy()
             moved[place] += step
-            one, other = triangulate(rig, moved[:, :2], moved[:, 2:])
-            lengths.append(float(np.linalg.norm(other - one)))
+            found = triangulate(rig, moved[:, :2], moved[:, 2:])
+            lengths.append(np.linalg.norm(found[1::2] - found[::2], axis=1))
         variance += ((lengths[0] - lengths[1]) / 2e-3 * compensator.noise_px) ** 2
-    return math.sqrt(variance)
+    return np.asarray(np.sqrt(variance))

@@ -13,7 +13,6 @@ from rigsim.api.kit.requirements import DesignOptions, specified
 from rigsim.api.kit.sensors import SensorOptions
 from rigsim.api.kit.trial import Place, fittings, has_own_noise, try_out
 from rigsim.api.result import Result
-from rigsim.errors import InvalidRange
 from rigsim.rig import given
 from rigsim.rig.remark import Remark
 from rigsim.rig.sensor import Sensor
@@ -21,7 +20,6 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.study.design.proof import Proof, recommended
 from rigsim.study.design.solve import Design, solve
 from rigsim.study.design.tolerance import DesignTolerance, design_tolerance
-from rigsim.study.tolerance.sensitivities import CLASSES
 from rigsim.theory.inverse import Camera
 
 if TYPE_CHECKING:
@@ -125,9 +123,13 @@ def design(options: DesignOptions) -> Designed:
         p95: Whether 95 of 100 errors are to stay under them instead.
         errors: More of them, each a `DepthError`.
         fov_deg: Horizontal field of view, at least, deg.
-        cover_mm: Width that both cameras see, at least, mm.
+        vfov_deg: Vertical field of view, at least, deg.
+        cover_mm: Width that both cameras see, at least, mm; or (width, height).
         cover_at_m: Where, m; the far end by default.
         max_baseline_mm: Longest baseline, mm.
+        min_baseline_mm: Shortest baseline, mm.
+        body_width_mm: Width of a camera's body, mm: two do not fit closer; by default that of `sensors`
+            where one is known.
         max_disparity_px: Disparities that the matcher searches, px.
         max_pixels: Most pixels of one image.
         min_overlap: Least shares of the left image seen by the right, 0 to 1; by default 0.5 at the near end.
@@ -135,13 +137,19 @@ def design(options: DesignOptions) -> Designed:
         nearest_focus_m: Nearest distance at which the lenses draw sharply, m.
         noise_px: Standard deviation of the noise of one pixel coordinate, px; by default 0.25, or with
             `sensors` what is measured in pictures taken with them.
+        disparity_noise_px: Standard deviation of a disparity, px, instead: sqrt(2) times as much.
         build_share: Share of that error's variance that noise leaves for errors of mounting and calibration.
-        resolutions_px: Image sizes to try, (width, height), px.
-        sensors: Names of sensors to try, instead.
-        lenses_mm: Focal lengths to try, mm; they need `sensors`.
+        resolutions_px: Image sizes to try, (width, height), px; `sensors` are scaled down to them.
+        sensors: Names of sensors to try.
+        pixel_pitch_um: Pixel pitch of cameras without a sensor's name, micrometres.
+        sensor_width_mm: Width of their pixels together, mm, instead.
+        crop_px: Part of the sensors that is read, (width, height), px.
+        binning: Pixels across, and down, that the sensors read as one.
+        lenses_mm: Focal lengths to try, mm; they need `sensors`, a pixel pitch or a sensor's width.
         lenses_px: Focal lengths to try, px, instead.
         lenses_deg: Horizontal fields of view to try, deg, instead.
-        prefer: smallest (baseline), cheapest (fewest pixels, then baseline) or most-accurate.
+        prefer: buildable (the cheapest of which 95 of 100 built rigs are good), smallest (baseline), cheapest
+            (fewest pixels, then baseline) or most-accurate.
         scene: Where the pick is proved: a bundled scene's name, or the path of an MJCF file.
         proof: Whether anything is rendered and simulated; else it is formulas only.
         measure: What is measured in the pictures: auto, corners, patches, dense or none.
@@ -149,7 +157,9 @@ def design(options: DesignOptions) -> Designed:
         image_noise_grey: White noise of the pictures, grey levels of 255.
         full_well_e: Electrons that make full scale.
         read_noise_e: Read noise, electrons.
-        tolerance_class: Tolerances to rank: printed, machined or calibrated.
+        tolerance_class: Who builds it: printed, machined or calibrated.
+        tolerances: Tolerances in place of the class's, by name as in `tolerance`.
+        bounds: Names of those that are bounds.
         seed: Seed of every random number.
         renderer: auto, egl, osmesa or rays.
         command: What the page names as the command that made it.
@@ -178,11 +188,9 @@ def design(options: DesignOptions) -> Designed:
 
 def _designed(options: DesignOptions) -> Designed:
     specification, cameras = specified(options), _cameras(options)
-    if options.tolerance_class not in CLASSES:
-        raise InvalidRange(f"class {options.tolerance_class!r}: choose one of {', '.join(CLASSES)}")
     levels = given.reals(options.image_noise_grey, "image_noise_grey")
     optics = SensorOptions(None, options.blur_px, levels, options.full_well_e, options.read_noise_e)
-    fits = fittings(sorted({camera.sensor for camera in cameras}), optics)
+    fits = fittings(cameras, optics)
     measures_noise = bool(
         options.sensors and options.noise_px is None and options.proof and options.measure != "none"
     )
@@ -197,11 +205,9 @@ def _designed(options: DesignOptions) -> Designed:
         place = Place(scene, options.seed, options.renderer, options.measure)
         found, proofs, remarks = try_out(specification, cameras, options.prefer, place, fits, measures_noise)
     pick = recommended(found, proofs)
-    held = design_tolerance(
-        found.specification, pick, options.tolerance_class, options.seed, found.candidates
-    )
+    held = design_tolerance(found.specification, pick, options.seed, found.candidates)
     told = has_own_noise(pick.camera.sensor, optics) or options.blur_px is not None
-    sensor = fits[pick.camera.sensor].sensor if told else None
+    sensor = fits[pick.camera.sensor, pick.camera.merged].sensor if told else None
     return Designed(found, proofs, held, sensor, options.command, remarks)
 
 
@@ -213,4 +219,8 @@ def _cameras(options: DesignOptions) -> list[Camera]:
         options.lenses_mm,
         options.lenses_px,
         options.lenses_deg,
+        options.pixel_pitch_um,
+        options.sensor_width_mm,
+        options.crop_px,
+        options.binning,
     ).all(options.fov_deg)

@@ -150,11 +150,11 @@ def tolerance(options: ToleranceOptions) -> Toleranced:
         distribution: normal; or uniform, which makes a bound of every tolerance, evenly filled.
         speed_m_s: The object's speed, m/s, for ``time_offset_ms``.
         expansion_ppm: Expansion of the bar, ppm/K, for ``temperature_k``.
-        recalibrate: Whether each rig is recalibrated on epipolar errors and one known length as well.
+        recalibrate: Whether each rig is recalibrated on epipolar errors and known lengths as well.
         recalibration_features: Features that a recalibration sees in a picture.
         recalibration_pictures: Pictures it averages each of them over.
         noise_px: Standard deviation of the noise of one pixel coordinate, px.
-        length_std_mm: Standard deviation of the known length, mm.
+        length_std_mm: Standard deviation of each known length, mm.
         rigs: How many are built.
         points: Points that each is judged by.
         seed: Seed of every random number.

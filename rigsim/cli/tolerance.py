@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from types import MappingProxyType
 from typing import Annotated
 
 import typer
@@ -16,39 +14,10 @@ from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import claim, deliver
 from rigsim.cli.kit.options import Json, takes, takes_rig
 from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
+from rigsim.cli.kit.tolerances import ToleranceWord, tolerance_values
 from rigsim.errors import InvalidRange
 
-_ANGLES = {**quantity.HFOV.factors, "arcmin": Fraction(1, 60)}
 _LENGTHS = quantity.BASELINE.factors
-_PIXELS = quantity.NOISE.factors
-_PLAIN = MappingProxyType({"": Fraction(1)})
-_TIMES = MappingProxyType({"us": Fraction(1, 1000), "ms": Fraction(1), "s": Fraction(1000)})
-
-
-def _kind(name: str, unit: str, factors: Mapping[str, Fraction]) -> quantity.QuantityKind:
-    return quantity.QuantityKind(f"tolerance {name}", unit, factors, at_least=0)
-
-
-_KINDS: dict[str, tuple[str, quantity.QuantityKind]] = {
-    "yaw": ("yaw_deg", _kind("yaw", "deg", _ANGLES)),
-    "pitch": ("pitch_deg", _kind("pitch", "deg", _ANGLES)),
-    "roll": ("roll_deg", _kind("roll", "deg", _ANGLES)),
-    "baseline": ("baseline_mm", _kind("baseline", "mm", _LENGTHS)),
-    "axial": ("axial_mm", _kind("axial", "mm", _LENGTHS)),
-    "vertical": ("vertical_mm", _kind("vertical", "mm", _LENGTHS)),
-    "focal": ("right_focal_px", _kind("focal", "px", _PIXELS)),
-    "focal-both": ("both_focal_px", _kind("focal-both", "px", _PIXELS)),
-    "principal": ("right_cx_px", _kind("principal", "px", _PIXELS)),
-    "principal-v": ("right_cy_px", _kind("principal-v", "px", _PIXELS)),
-    "k1-right": ("right_k1", _kind("k1-right", "", _PLAIN)),
-    "k1-both": ("both_k1", _kind("k1-both", "", _PLAIN)),
-    "focal-left": ("left_focal_px", _kind("focal-left", "px", _PIXELS)),
-    "principal-left": ("left_cx_px", _kind("principal-left", "px", _PIXELS)),
-    "principal-left-v": ("left_cy_px", _kind("principal-left-v", "px", _PIXELS)),
-    "k1-left": ("left_k1", _kind("k1-left", "", _PLAIN)),
-    "time": ("time_offset_ms", _kind("time", "ms", _TIMES)),
-    "temperature": ("temperature_k", _kind("temperature", "K", {"K": Fraction(1)})),
-}
 _SPEED = quantity.QuantityKind("speed", "m/s", {"m/s": Fraction(1)}, at_least=0)
 _EXPANSION = quantity.QuantityKind("expansion", "ppm", {"ppm": Fraction(1)}, at_least=0)
 _LENGTH = quantity.QuantityKind("known length's std", "mm", _LENGTHS, above=0)
@@ -75,16 +44,7 @@ class ToleranceWords:
     class_name: Annotated[
         str, typer.Option("--class", metavar="NAME", help="printed, machined, calibrated, or none.")
     ] = "machined"
-    tolerance: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=VALUE",
-            help="One tolerance, in place of the class's: yaw, pitch, roll (deg), baseline, axial, vertical"
-            " (mm), focal, focal-left, focal-both, principal, principal-v, principal-left, principal-left-v"
-            " (px), k1-right, k1-left, k1-both, time (ms), temperature (K). One standard deviation, or a"
-            " bound as +-VALUE. Repeatable.",
-        ),
-    ] = None
+    tolerance: ToleranceWord = None
     distribution: Annotated[
         str, typer.Option(help="uniform makes a bound, +-, of every tolerance, evenly filled.")
     ] = "normal"
@@ -93,7 +53,7 @@ class ToleranceWords:
         str, typer.Option(metavar="PPM", help="Expansion of the bar, ppm/K, for a temperature.")
     ] = "23"
     recalibrate: Annotated[
-        bool, typer.Option(help="Recalibrate each rig on epipolar errors and one known length as well.")
+        bool, typer.Option(help="Recalibrate each rig on epipolar errors and known lengths as well.")
     ] = True
     features: Annotated[
         int,
@@ -112,7 +72,7 @@ class ToleranceWords:
         ),
     ] = "0.25"
     length_std: Annotated[
-        str, typer.Option(metavar="LENGTH", help="Standard deviation of the known length.")
+        str, typer.Option(metavar="LENGTH", help="Standard deviation of each known length.")
     ] = "0.5mm"
     rigs: Annotated[int, typer.Option(metavar="N", help="Rigs to build.")] = 10_000
     points: Annotated[int, typer.Option(metavar="N", help="Points per rig.")] = 500
@@ -135,7 +95,7 @@ def tolerance(options: RigOptions, words: ToleranceWords) -> None:
     asked = _requirement(words.depth_error)
     claim(words.out, words.force)
     rig = options.single(DEFAULT_PRESET)
-    values, bounds = _values(words.tolerance or [])
+    values, bounds = tolerance_values(words.tolerance or [])
 
     from rigsim.api.tolerance import tolerance as run
 
@@ -159,26 +119,6 @@ def tolerance(options: RigOptions, words: ToleranceWords) -> None:
         seed=words.seed,
     )
     deliver(result, words.out, words.force, words.as_json)
-
-
-def _values(words: list[str]) -> tuple[dict[str, float], set[str]]:
-    """The tolerances given, and which of them are bounds."""
-    found: dict[str, float] = {}
-    bounds: set[str] = set()
-    for word in words:
-        name, equals, text = word.partition("=")
-        if name.strip() not in _KINDS:
-            raise InvalidRange(f"tolerance {name.strip() or 'empty'!r}: choose one of {', '.join(_KINDS)}")
-        if not equals:
-            raise InvalidRange(f"tolerance {name.strip()}: must be NAME=VALUE, as in yaw=0.05deg")
-        key, kind = _KINDS[name.strip()]
-        if key in found:
-            raise InvalidRange(f"tolerance {name.strip()}: given twice; remove one")
-        plain = text.strip().removeprefix("±").removeprefix("+-")
-        if plain != text.strip():
-            bounds.add(key)
-        found[key] = quantity.value(plain, kind)
-    return found, bounds
 
 
 def _range(text: str) -> tuple[float, float]:

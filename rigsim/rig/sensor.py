@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -92,6 +92,16 @@ class Sensor:
                 f"sensor: full well {self.full_well_e:g} e- at gain {self.gain:g}: at most "
                 f"{_MOST_ELECTRONS:g} electrons can be counted; 0 is no photon noise"
             )
+
+    def merged(self, across: float) -> Sensor:
+        """With so many pixels across, and down, made one: signals add, and independent noise in squares."""
+        return replace(
+            self,
+            full_well_e=self.full_well_e * across**2,
+            read_noise_e=self.read_noise_e * across,
+            dsnu_e=self.dsnu_e * across,
+            prnu_pct=self.prnu_pct / across,
+        )
 
     @property
     def full_scale(self) -> float:

@@ -1,6 +1,6 @@
 """From requirements to rigs: the baselines that one camera allows, in closed form, and what binds there.
 
-The rig is rectified, with two equal pinhole cameras: width W px, focal length f px, baseline B. A
+The rig is rectified, with two equal pinhole cameras: W by H px, focal length f px, baseline B. A
 requirement is one line in (f, B); for a given camera it is a bound on B:
 
 ==================  ==========================================  ==========================
@@ -11,8 +11,11 @@ requirement         says, at the depth Z                        baseline
 ``max_disparity``   ``f B / Z <= N``                            ``B <= N Z / f``
 ``overlap``         ``1 - f B / (Z W) >= o``                    ``B <= (1 - o) W Z / f``
 ``cover``           ``W Z / f - B >= c``                        ``B <= W Z / f - c``
+``cover_height``    ``H Z / f >= c``                            none: the camera fits or not
 ``max_baseline``    ``B <= B_max``                              itself
+``min_baseline``    ``B >= B_min``                              itself
 ``fov``             ``2 atan(W / 2 f) >= fov``                  none: the camera fits or not
+``vfov``            ``2 atan(H / 2 f) >= vfov``                 none: the camera fits or not
 ``pixels``          ``W H <= p``                                none: the camera fits or not
 ==================  ==========================================  ==========================
 
@@ -31,14 +34,27 @@ from rigsim.errors import InvalidRange
 from rigsim.theory.inverse_error import noise_allowed, noise_error
 
 RequirementKind: TypeAlias = Literal[
-    "depth_error", "far_disparity", "max_disparity", "overlap", "cover", "max_baseline", "fov", "pixels"
+    "depth_error",
+    "far_disparity",
+    "max_disparity",
+    "overlap",
+    "cover",
+    "cover_height",
+    "max_baseline",
+    "min_baseline",
+    "fov",
+    "vfov",
+    "pixels",
 ]
 
-LOWER: frozenset[RequirementKind] = frozenset({"depth_error", "far_disparity"})
+LOWER: frozenset[RequirementKind] = frozenset({"depth_error", "far_disparity", "min_baseline"})
 """Requirements that ask for a long baseline."""
-GATES: frozenset[RequirementKind] = frozenset({"fov", "pixels"})
+GATES: frozenset[RequirementKind] = frozenset({"fov", "vfov", "pixels", "cover_height"})
 """Requirements on the camera alone."""
-_AT_LEAST: frozenset[RequirementKind] = frozenset({"far_disparity", "overlap", "cover", "fov"})
+_AT_LEAST: frozenset[RequirementKind] = frozenset(
+    {"far_disparity", "overlap", "cover", "cover_height", "min_baseline", "fov", "vfov"}
+)
+_ANYWHERE: frozenset[RequirementKind] = frozenset({"fov", "vfov", "pixels", "max_baseline", "min_baseline"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +75,8 @@ class Camera:
     """Focal length of its lens, mm; None when the pixel pitch is unknown."""
     pitch_um: float | None = None
     """Pixel pitch, micrometres; None when it is unknown."""
+    merged: float = 1.0
+    """Pixels of the sensor that make one of the image, across and down."""
 
     def __post_init__(self) -> None:
         if not (self.width_px >= 1 and self.height_px >= 1 and 0 < self.focal_px < math.inf):
@@ -70,6 +88,11 @@ class Camera:
     def hfov_rad(self) -> float:
         """Horizontal field of view, rad."""
         return 2 * math.atan(self.width_px / 2 / self.focal_px)
+
+    @property
+    def vfov_rad(self) -> float:
+        """Vertical field of view, rad."""
+        return 2 * math.atan(self.height_px / 2 / self.focal_px)
 
     @property
     def pixels(self) -> int:
@@ -99,9 +122,9 @@ class Requirement:
             raise InvalidRange(
                 f"overlap {self.limit * 100:g} %: must be < 100 %; only a rig without baseline has it"
             )
-        if self.kind == "fov" and not self.limit < math.pi:
+        if self.kind in ("fov", "vfov") and not self.limit < math.pi:
             raise InvalidRange(f"field of view {math.degrees(self.limit):g} deg: must be < 180 deg")
-        if self.kind not in (*GATES, "max_baseline") and not 0 < self.depth_m < math.inf:
+        if self.kind not in _ANYWHERE and not 0 < self.depth_m < math.inf:
             raise InvalidRange(
                 f"{self.kind.replace('_', ' ')} at {self.depth_m:g} m: the distance must be > 0"
             )
@@ -123,7 +146,7 @@ class Requirement:
                 return (1 - self.limit) * W * Z / f
             case "cover":
                 return W * Z / f - self.limit
-            case "max_baseline":
+            case "max_baseline" | "min_baseline":
                 return self.limit
             case _:
                 return math.nan
@@ -142,10 +165,14 @@ class Requirement:
                 return 1 - f * baseline_m / (Z * W)
             case "cover":
                 return W * Z / f - baseline_m
-            case "max_baseline":
+            case "cover_height":
+                return camera.height_px * Z / f
+            case "max_baseline" | "min_baseline":
                 return baseline_m
             case "fov":
                 return camera.hfov_rad
+            case "vfov":
+                return camera.vfov_rad
             case "pixels":
                 return float(camera.pixels)
 
@@ -284,8 +311,16 @@ def _relax(
             ratio = needed / requirement.limit
             found.append((place, Relaxation(requirement, camera, needed, max(ratio, 1 / ratio))))
     whole = baseline_interval(camera, requirements, noise_px)
-    if not whole.failed and 0 < whole.upper.baseline_m < whole.lower.baseline_m:
-        # every lower bound is proportional to the noise: orders beyond the first go with it as well
-        factor = whole.lower.baseline_m / whole.upper.baseline_m
+    of_noise = baseline_interval(
+        camera, [other for other in requirements if other.kind != "min_baseline"], noise_px
+    ).lower.baseline_m
+    least = max((other.limit for other in requirements if other.kind == "min_baseline"), default=0.0)
+    if (
+        not whole.failed
+        and max(0.0, least) <= whole.upper.baseline_m < of_noise
+        and whole.upper.baseline_m > 0
+    ):
+        # every other lower bound is proportional to the noise: orders beyond the first go with it as well
+        factor = of_noise / whole.upper.baseline_m
         found.append((-1, Relaxation(None, camera, noise_px / factor, factor)))
     return found

@@ -3,15 +3,59 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 from rigsim.api.rigs import Several, Sizes
 from rigsim.errors import InvalidRange
 from rigsim.rig import extent, given
-from rigsim.rig.catalogue.sensors import SensorPreset, sensor_preset
+from rigsim.rig.catalogue.sensors import sensor_preset
 from rigsim.study.design.solve import HFOVS_DEG, LENSES_MM, RESOLUTIONS
 from rigsim.study.scene.plan import sizes
 from rigsim.theory.inverse import Camera
+
+
+@dataclass(frozen=True, slots=True)
+class _Chip:
+    """What a lens draws on."""
+
+    width: int
+    height: int
+    pitch_um: float | None = None
+    sensor: str = ""
+    merged: float = 1.0
+
+    def behind(self, focal_px: float) -> Camera:
+        """Behind a lens."""
+        mm = None if self.pitch_um is None else focal_px * self.pitch_um / 1e3
+        lens = "" if mm is None else f"{mm:.3g} mm"
+        name = f"{self.sensor.upper()} with {lens}" if self.sensor else f"{lens} lens" if lens else ""
+        return Camera(self.width, self.height, focal_px, name, self.sensor, mm, self.pitch_um, self.merged)
+
+    def cropped(self, width: int, height: int) -> _Chip:
+        """Its middle, as large as that."""
+        if width > self.width or height > self.height:
+            raise InvalidRange(
+                f"crop {width}x{height}: {self.sensor} has {self.width}x{self.height} px; take a part of them"
+            )
+        return replace(self, width=width, height=height)
+
+    def binned(self, by: int) -> _Chip:
+        """With `by` x `by` pixels made one."""
+        pitch_um = None if self.pitch_um is None else self.pitch_um * by
+        return replace(
+            self, width=self.width // by, height=self.height // by, pitch_um=pitch_um, merged=self.merged * by
+        )
+
+    def scaled(self, width: int, height: int) -> _Chip:
+        """The largest part of its middle with the shape of that image, scaled down to it."""
+        ratio = min(self.width / width, self.height / height)
+        if ratio < 1:
+            raise InvalidRange(
+                f"resolution {width}x{height}: {self.sensor} has only {self.width}x{self.height} px"
+            )
+        pitch_um = None if self.pitch_um is None else self.pitch_um * ratio
+        return replace(self, width=width, height=height, pitch_um=pitch_um, merged=self.merged * ratio)
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,15 +63,23 @@ class CameraOptions:
     """What cameras there are to choose from; usual ones where nothing is said."""
 
     resolutions_px: Sizes = ()
-    """(width, height), px; excludes `sensors`."""
+    """(width, height), px; what `sensors` are scaled to where both are given."""
     sensors: tuple[str, ...] = ()
-    """Names of sensors, each with its own resolution."""
+    """Names of sensors."""
     lenses_mm: Several = ()
-    """Focal lengths, mm; they need `sensors`."""
+    """Focal lengths, mm; they need `sensors`, `pixel_pitch_um` or `sensor_width_mm`."""
     lenses_px: Several = ()
     """Focal lengths, px."""
     lenses_deg: Several = ()
     """Horizontal fields of view, deg."""
+    pixel_pitch_um: float | None = None
+    """Pixel pitch, micrometres; excludes `sensors`."""
+    sensor_width_mm: float | None = None
+    """Width of the pixels used, mm, instead."""
+    crop_px: tuple[int, int] | None = None
+    """Part of the sensor that is read, (width, height), px."""
+    binning: int = 1
+    """Pixels across, and down, that are read as one."""
 
     def all(self, fov_deg: float | None) -> list[Camera]:
         """Every camera to try; `fov_deg` is the field of view asked for, deg.
@@ -36,33 +88,10 @@ class CameraOptions:
             InvalidRange: two things say the same, or something is missing.
             InvalidRig: no such sensor.
         """
-        given_sizes = sizes(self.resolutions_px)
-        if given_sizes and self.sensors:
-            raise InvalidRange(
-                "--resolution and --sensor both given: a sensor has its own resolution, give one"
-            )
         unit, lenses = self._lenses()
         extent.CAMERAS.check(max(1, len(lenses)))
-        if self.sensors and unit in ("", "mm"):
-            return [
-                _behind(chip, mm * 1e3 / chip.pitch_um)
-                for chip in self._chips()
-                for mm in (lenses or LENSES_MM)
-            ]
-        if unit == "mm":
-            said = ",".join(f"{mm:g}" for mm in lenses)
-            raise InvalidRange(f"lens {said}mm: mm need a --sensor with its pixel pitch; or give px or deg")
-        wanted = () if fov_deg is None else (fov_deg,)
-        angles = lenses or tuple(sorted({*HFOVS_DEG, *wanted}))
-
-        def focals_px(width_px: int) -> tuple[float, ...]:
-            if unit == "px":
-                return lenses
-            return tuple(width_px / 2 / math.tan(math.radians(deg) / 2) for deg in angles)
-
-        if self.sensors:
-            return [_behind(chip, focal) for chip in self._chips() for focal in focals_px(chip.width)]
-        return [Camera(w, h, focal) for w, h in given_sizes or RESOLUTIONS for focal in focals_px(w)]
+        chips = self._chips()
+        return [chip.behind(focal) for chip in chips for focal in _focals_px(chip, unit, lenses, fov_deg)]
 
     def _lenses(self) -> tuple[str, tuple[float, ...]]:
         """The unit of the lenses, and their values in it; nothing when none are given."""
@@ -76,18 +105,64 @@ class CameraOptions:
             raise InvalidRange(f"{names} both given: they say the same thing, give one")
         return found[0] if found else ("", ())
 
-    def _chips(self) -> list[SensorPreset]:
-        chips: list[SensorPreset] = []
-        for name in self.sensors:
-            chip = sensor_preset(str(name))
-            if chip in chips:
-                names = ",".join(self.sensors)
-                raise InvalidRange(f"sensor {names}: {chip.name} is given twice; remove one")
-            chips.append(chip)
-        return chips
+    def _chips(self) -> list[_Chip]:
+        pitched = [
+            name
+            for name, value in (
+                ("--sensor", self.sensors or None),
+                ("--pixel-pitch", self.pixel_pitch_um),
+                ("--sensor-width", self.sensor_width_mm),
+            )
+            if value is not None
+        ]
+        if len(pitched) > 1:
+            raise InvalidRange(f"{' and '.join(pitched)} given: each says how large a pixel is, give one")
+        wanted = sizes(self.resolutions_px)
+        if self.sensors:
+            read = [self._read(chip) for chip in _named(self.sensors)]
+            return [chip.scaled(*size) for chip in read for size in wanted] or read
+        if self.crop_px is not None or self.binning != 1:
+            raise InvalidRange("--crop and --binning say how a sensor is read: name it by --sensor")
+        return [_Chip(w, h, self._pitch_um(w)) for w, h in wanted or RESOLUTIONS]
+
+    def _pitch_um(self, width_px: int) -> float | None:
+        for name, value in (("pixel pitch", self.pixel_pitch_um), ("sensor width", self.sensor_width_mm)):
+            if value is not None and not (math.isfinite(value) and value > 0):
+                raise InvalidRange(f"{name} {value:g}: must be > 0")
+        if self.sensor_width_mm is not None:
+            return self.sensor_width_mm * 1e3 / width_px
+        return self.pixel_pitch_um
+
+    def _read(self, chip: _Chip) -> _Chip:
+        if self.crop_px is not None:
+            chip = chip.cropped(*self.crop_px)
+        if not (float(self.binning).is_integer() and 1 <= self.binning <= 16):
+            raise InvalidRange(f"binning {self.binning:g}: must be a whole number from 1 to 16")
+        return chip.binned(int(self.binning)) if self.binning != 1 else chip
 
 
-def _behind(chip: SensorPreset, focal_px: float) -> Camera:
-    mm = focal_px * chip.pitch_um / 1e3
-    name = f"{chip.name.upper()} with {mm:.3g} mm"
-    return Camera(chip.width, chip.height, focal_px, name, chip.name, mm, chip.pitch_um)
+def _focals_px(chip: _Chip, unit: str, lenses: tuple[float, ...], fov_deg: float | None) -> tuple[float, ...]:
+    if unit == "px":
+        return lenses
+    if unit == "deg" or (not unit and chip.pitch_um is None):
+        asked = () if fov_deg is None else (fov_deg,)
+        angles = lenses or tuple(sorted({*HFOVS_DEG, *asked}))
+        return tuple(chip.width / 2 / math.tan(math.radians(deg) / 2) for deg in angles)
+    if chip.pitch_um is None:
+        said = ",".join(f"{mm:g}" for mm in lenses)
+        raise InvalidRange(
+            f"lens {said}mm: how large is a pixel? Give --pixel-pitch, --sensor-width or --sensor; or lenses "
+            "in px or deg"
+        )
+    return tuple(mm * 1e3 / chip.pitch_um for mm in lenses or LENSES_MM)
+
+
+def _named(names: Sequence[str]) -> list[_Chip]:
+    chips: list[_Chip] = []
+    for name in names:
+        preset = sensor_preset(str(name))
+        chip = _Chip(preset.width, preset.height, preset.pitch_um, preset.name)
+        if chip in chips:
+            raise InvalidRange(f"sensor {','.join(names)}: {preset.name} is given twice; remove one")
+        chips.append(chip)
+    return chips

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 
 from rigsim.api.kit.asked import DepthError, depth_errors
 from rigsim.api.rigs import Several, Sizes
 from rigsim.errors import InvalidRange
 from rigsim.rig import given
+from rigsim.study.design.buildable import Builder
 from rigsim.study.design.solve import PRIOR_NOISE_PX, Specification, specify
 from rigsim.study.saying import saying
+from rigsim.study.tolerance.sensitivities import Tolerances, with_values
 from rigsim.theory.inverse import Requirement
 from rigsim.theory.inverse_error import P95_OVER_STD
 
@@ -29,22 +31,30 @@ class DesignOptions:
     p95: bool = False
     errors: Sequence[DepthError] = ()
     fov_deg: float | None = None
-    cover_mm: float | None = None
+    vfov_deg: float | None = None
+    cover_mm: float | tuple[float, float] | None = None
     cover_at_m: float | None = None
     max_baseline_mm: float | None = None
+    min_baseline_mm: float | None = None
+    body_width_mm: float | None = None
     max_disparity_px: float | None = None
     max_pixels: float | None = None
     min_overlap: Several = ()
     min_overlap_at_m: Several | None = None
     nearest_focus_m: float = 0.0
     noise_px: float | None = None
+    disparity_noise_px: float | None = None
     build_share: float = 0.5
     resolutions_px: Sizes = ()
     sensors: str | Sequence[str] = ()
     lenses_mm: Several = ()
     lenses_px: Several = ()
     lenses_deg: Several = ()
-    prefer: str = "cheapest"
+    pixel_pitch_um: float | None = None
+    sensor_width_mm: float | None = None
+    crop_px: tuple[int, int] | None = None
+    binning: int = 1
+    prefer: str = "buildable"
     scene: str | os.PathLike[str] = "boards"
     proof: bool = True
     measure: str = "auto"
@@ -53,10 +63,26 @@ class DesignOptions:
     full_well_e: float | None = None
     read_noise_e: float | None = None
     tolerance_class: str = "machined"
+    tolerances: Mapping[str, float] | None = None
+    bounds: Collection[str] = ()
     seed: int = 0
     renderer: str = "auto"
     command: str = ""
     ready: Callable[[], object] | None = None
+
+
+def coordinate_noise_px(noise_px: float | None, disparity_noise_px: float | None) -> float | None:
+    """Noise of one pixel coordinate, px, however it was said; None where it was not.
+
+    Raises:
+        InvalidRange: it is said both ways.
+    """
+    if noise_px is not None and disparity_noise_px is not None:
+        raise InvalidRange(
+            f"noise {noise_px:g} px and disparity noise {disparity_noise_px:g} px both given: a disparity's "
+            "is sqrt(2) times a coordinate's, give one"
+        )
+    return noise_px if disparity_noise_px is None else disparity_noise_px / math.sqrt(2)
 
 
 def specified(options: DesignOptions) -> Specification:
@@ -65,7 +91,7 @@ def specified(options: DesignOptions) -> Specification:
     if len(ends) != 2:
         raise InvalidRange(f"range_m {given.shown(options.range_m)}: must be (near, far), m")
     near_m, far_m = ends
-    noise_px = options.noise_px
+    noise_px = coordinate_noise_px(options.noise_px, options.disparity_noise_px)
     specification = specify(
         near_m,
         far_m,
@@ -73,10 +99,17 @@ def specified(options: DesignOptions) -> Specification:
         noise_px=PRIOR_NOISE_PX if noise_px is None else given.real(noise_px, "noise_px"),
         nearest_focus_m=given.real(options.nearest_focus_m, "nearest_focus_m"),
         build_share=given.real(options.build_share, "build_share"),
+        builder=_builder(options),
     )
     if noise_px is not None:
         return specification
     return replace(specification, noise_source="assumed", noise_from=saying("assumed: none-given"))
+
+
+def _builder(options: DesignOptions) -> Builder:
+    named = {str(key): given.real(value, str(key)) for key, value in dict(options.tolerances or {}).items()}
+    with_values(Tolerances(), {**named, "bounds": frozenset(options.bounds)})  # refuses what cannot be
+    return Builder(options.tolerance_class, tuple(named.items()), frozenset(options.bounds))
 
 
 def _errors(options: DesignOptions, far_m: float) -> Iterator[Requirement]:
@@ -96,11 +129,24 @@ def _errors(options: DesignOptions, far_m: float) -> Iterator[Requirement]:
 def _others(options: DesignOptions, near_m: float, far_m: float) -> Iterator[Requirement]:
     if options.fov_deg is not None:
         yield Requirement("fov", math.radians(options.fov_deg))
+    if options.vfov_deg is not None:
+        yield Requirement("vfov", math.radians(options.vfov_deg))
     if options.cover_mm is not None:
         at_m = far_m if options.cover_at_m is None else options.cover_at_m
-        yield Requirement("cover", options.cover_mm / 1e3, at_m)
+        sides = given.reals(options.cover_mm, "cover_mm")
+        if len(sides) not in (1, 2):
+            raise InvalidRange(
+                f"cover_mm {given.shown(options.cover_mm)}: must be a width, or (width, height)"
+            )
+        yield Requirement("cover", sides[0] / 1e3, at_m)
+        if len(sides) == 2:
+            yield Requirement("cover_height", sides[1] / 1e3, at_m)
     if options.max_baseline_mm is not None:
         yield Requirement("max_baseline", options.max_baseline_mm / 1e3)
+    if options.min_baseline_mm is not None:
+        yield Requirement("min_baseline", options.min_baseline_mm / 1e3)
+    elif options.body_width_mm:
+        yield Requirement("min_baseline", options.body_width_mm / 1e3)
     if options.max_disparity_px is not None:
         yield Requirement("max_disparity", options.max_disparity_px, near_m)
     if options.max_pixels is not None:

@@ -17,16 +17,17 @@ from rigsim.study.design.solve import Design, Specification, solve
 from rigsim.study.scene.plan import Plan
 from rigsim.theory.inverse import Camera
 
-Fittings = Mapping[str, Fitting]
-"""What pictures are taken with, by the sensor's name; the empty name is a camera without one."""
+Fittings = Mapping[tuple[str, float], Fitting]
+"""What pictures are taken with, by the sensor's name, empty for none, and how many pixels make one."""
 
 
-def fittings(names: Sequence[str], optics: SensorOptions) -> Fittings:
-    """Label and sensor for each sensor's name.
+def fittings(cameras: Sequence[Camera], optics: SensorOptions) -> Fittings:
+    """Label and sensor for each kind of camera.
 
     A sensor whose noise nobody published, and for which none is given, gets an ordinary camera's.
     """
-    return {name: _fitting(name, optics) for name in names}
+    kinds = sorted({(camera.sensor, camera.merged) for camera in cameras})
+    return {(name, merged): _fitting(name, merged, optics) for name, merged in kinds}
 
 
 def has_own_noise(name: str, optics: SensorOptions) -> bool:
@@ -40,7 +41,7 @@ def has_own_noise(name: str, optics: SensorOptions) -> bool:
     )
 
 
-def _fitting(name: str, optics: SensorOptions) -> Fitting:
+def _fitting(name: str, merged: float, optics: SensorOptions) -> Fitting:
     own = has_own_noise(name, optics)
     levels = optics.image_noise_grey or (() if own else (TYPICAL_NOISE_GREY,))
     chosen = name if name and own else None
@@ -48,6 +49,8 @@ def _fitting(name: str, optics: SensorOptions) -> Fitting:
     label = sensor_labels((sensor,), chosen)[0]
     if name and not own:
         label = f"{name.upper()} ({label}: its own noise is not published)"
+    if merged != 1:
+        return Fitting(f"{label}, {merged:.3g} x {merged:.3g} pixels as one", sensor.merged(merged))
     return Fitting(label, sensor)
 
 
@@ -89,7 +92,7 @@ def try_out(
     )
 
     def fit(camera: Camera) -> Fitting:
-        return fits[camera.sensor]
+        return fits[camera.sensor, camera.merged]
 
     with Room(plan, fit, surfaces=measures_noise and measure == "auto") as room:
         if measures_noise:

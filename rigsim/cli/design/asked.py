@@ -90,18 +90,48 @@ def pixels(text: str) -> float:
     return float(match[1]) * (1 if match[2].lower() == "px" else 1e6)
 
 
-def cameras(resolution: str | None, sensor: str | None, lens: str | None) -> dict[str, Any]:
+def cover(text: str, far_m: float) -> tuple[float | tuple[float, float], float]:
+    """Width, or width and height, mm, and the distance, m, of ``2m@3m`` or ``0.8x0.6m@1.2m``."""
+    what, at_m = at_distance(text, far_m, "cover")
+    width, by, height = what.partition("x")
+    if not by:
+        return metres(what, "cover") * 1e3, at_m
+    unit = _UNIT.search(what)
+    if unit is not None and not _UNIT.search(width):
+        width += unit[0].strip()
+    return (metres(width, "cover") * 1e3, metres(height, "cover") * 1e3), at_m
+
+
+def cameras(
+    resolution: str | None,
+    sensor: str | None,
+    lens: str | None,
+    *,
+    pixel_pitch: str | None = None,
+    sensor_width: str | None = None,
+    crop: str | None = None,
+    binning: int = 1,
+) -> dict[str, Any]:
     """The cameras to try, as `rigsim.design` takes them."""
-    if resolution is not None and sensor is not None:
-        raise InvalidRange("--resolution and --sensor both given: a sensor has its own resolution, give one")
     unit, lenses = _lenses(lens)
-    if unit == "mm" and sensor is None:
-        raise InvalidRange(f"lens {lens}: mm need a --sensor with its pixel pitch; or give px or deg")
     found: dict[str, Any] = {f"lenses_{unit}": lenses} if unit else {}
     if sensor is not None:
         found["sensors"] = [name.strip() for name in sensor.split(",")]
     if resolution is not None:
         found["resolutions_px"] = quantity.resolutions(resolution)
+    if pixel_pitch is not None:
+        found["pixel_pitch_um"] = quantity.value(pixel_pitch, quantity.PIXEL_PITCH) * 1e3
+    if sensor_width is not None:
+        found["sensor_width_mm"] = quantity.value(sensor_width, quantity.SENSOR_WIDTH)
+    if crop is not None:
+        (found["crop_px"],) = _one_size(crop)
+    return {**found, "binning": binning}
+
+
+def _one_size(crop: str) -> list[tuple[int, int]]:
+    found = list(quantity.resolutions(crop))
+    if len(found) != 1:
+        raise InvalidRange(f"crop {crop}: {len(found)} sizes; give one, as in 1920x1080")
     return found
 
 

@@ -12,8 +12,11 @@ import typer
 from rigsim.cli.design import asked as read
 from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import claim, command, deliver
-from rigsim.cli.kit.options import takes
+from rigsim.cli.kit.options import DisparityNoise, takes
 from rigsim.cli.kit.sensors import Blur, FullWell, ImageNoise, ReadNoise, sensor_words
+from rigsim.cli.kit.tolerances import ToleranceWord, tolerance_values
+
+_BODY = quantity.QuantityKind("body width", "mm", quantity.BASELINE.factors, at_least=0)
 
 UNVERIFIED = 3
 """Exit code when the simulation does not confirm any rig tried."""
@@ -34,8 +37,13 @@ class DesignWords:
         ),
     ]
     fov: Annotated[str | None, typer.Option(metavar="DEG", help="Horizontal field of view, at least.")] = None
+    vfov: Annotated[str | None, typer.Option(metavar="DEG", help="Vertical field of view, at least.")] = None
     cover: Annotated[
-        str | None, typer.Option(metavar="WIDTH[@DISTANCE]", help="Width both cameras see, at least: 2m@3m.")
+        str | None,
+        typer.Option(
+            metavar="WIDTH[xHEIGHT][@DISTANCE]",
+            help="What both cameras see, at least: 2m@3m, 0.8x0.6m@1.2m. At the far end by default.",
+        ),
     ] = None
     noise: Annotated[
         str | None,
@@ -45,6 +53,7 @@ class DesignWords:
             "measured in pictures taken with it.",
         ),
     ] = None
+    disparity_noise: DisparityNoise = None
     build_share: Annotated[
         str,
         typer.Option(
@@ -56,13 +65,42 @@ class DesignWords:
     max_baseline: Annotated[
         str | None, typer.Option(metavar="LENGTH", help="Longest baseline: 150 (mm), 0.15m.")
     ] = None
-    resolution: Annotated[str | None, typer.Option(help="Image sizes to try: 640x480,1280x960.")] = None
-    sensor: Annotated[
-        str | None, typer.Option(metavar="NAME,...", help="Sensors to try, instead; see `rigsim scenes`.")
+    min_baseline: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help="Shortest baseline: 60 (mm), 6cm.")
     ] = None
+    body_width: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LENGTH",
+            help="Width of a camera's body: two do not fit closer. By default that of a --sensor's usual "
+            "camera, where it is known; 0 for none.",
+        ),
+    ] = None
+    resolution: Annotated[
+        str | None,
+        typer.Option(help="Image sizes to try: 640x480,1280x960; a --sensor is scaled down to them."),
+    ] = None
+    sensor: Annotated[
+        str | None, typer.Option(metavar="NAME,...", help="Sensors to try; see `rigsim scenes`.")
+    ] = None
+    pixel_pitch: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help="Pixel pitch of cameras without a name: 3.45um.")
+    ] = None
+    sensor_width: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help="Width of all their pixels, instead: 6.4mm.")
+    ] = None
+    crop: Annotated[
+        str | None, typer.Option(metavar="WxH", help="Part of each --sensor that is read: 1920x1080.")
+    ] = None
+    binning: Annotated[
+        int, typer.Option(metavar="N", help="Pixels across, and down, that each --sensor reads as one.")
+    ] = 1
     lens: Annotated[
         str | None,
-        typer.Option(help="Lenses to try: 2.8,4,6,8mm with --sensor; or 900,1200px, or 60,70deg."),
+        typer.Option(
+            help="Lenses to try: 2.8,4,6,8mm with --sensor, --pixel-pitch or --sensor-width; or 900,1200px, "
+            "or 60,70deg."
+        ),
     ] = None
     max_disparity: Annotated[
         str | None, typer.Option(metavar="PX", help="Disparities that the matcher searches.")
@@ -84,8 +122,11 @@ class DesignWords:
     ] = None
     prefer: Annotated[
         str,
-        typer.Option(help="smallest (baseline), cheapest (fewest pixels, then baseline) or most-accurate."),
-    ] = "cheapest"
+        typer.Option(
+            help="buildable (the cheapest of which 95 of 100 built rigs are good), smallest (baseline), "
+            "cheapest (fewest pixels, then baseline) or most-accurate."
+        ),
+    ] = "buildable"
     scene: Annotated[str, typer.Option(help="Scene to verify the rig in: a bundled one, or MJCF.")] = "boards"
     no_proof: Annotated[
         bool, typer.Option("--no-proof", help="Formulas only: nothing is rendered or simulated.")
@@ -103,8 +144,9 @@ class DesignWords:
     read_noise: ReadNoise = None
     class_name: Annotated[
         str,
-        typer.Option("--class", metavar="NAME", help="Tolerances to rank: printed, machined or calibrated."),
+        typer.Option("--class", metavar="NAME", help="Who builds it: printed, machined or calibrated."),
     ] = "machined"
+    tolerance: ToleranceWord = None
     seed: Annotated[int, typer.Option(help="Seed of every random number.")] = 0
     renderer: Annotated[str, typer.Option(help="auto, egl, osmesa or rays.")] = "auto"
     as_json: Annotated[
@@ -124,7 +166,16 @@ def design(words: DesignWords) -> None:
     relax and by how much. Exit code 3 when the simulation confirms none of the rigs tried.
     """
     near_mm, far_mm = read.working_range(words.depth_range)
-    cameras = read.cameras(words.resolution, words.sensor, words.lens)
+    cameras = read.cameras(
+        words.resolution,
+        words.sensor,
+        words.lens,
+        pixel_pitch=words.pixel_pitch,
+        sensor_width=words.sensor_width,
+        crop=words.crop,
+        binning=words.binning,
+    )
+    tolerances, bounds = tolerance_values(words.tolerance or [])
     required = _required(words, near_mm / 1e3, far_mm / 1e3)
     sensor = sensor_words(
         blur=words.blur,
@@ -149,6 +200,8 @@ def design(words: DesignWords) -> None:
         proof=not words.no_proof,
         measure=words.measure,
         tolerance_class=words.class_name,
+        tolerances=tolerances,
+        bounds=bounds,
         seed=words.seed,
         renderer=words.renderer,
         command=command(),
@@ -164,9 +217,14 @@ def _required(words: DesignWords, near_m: float, far_m: float) -> dict[str, Any]
     found: dict[str, Any] = {"errors": [read.depth_error(text, far_m) for text in words.depth_error]}
     if words.fov is not None:
         found["fov_deg"] = quantity.value(words.fov, quantity.HFOV)
+    if words.vfov is not None:
+        found["vfov_deg"] = quantity.value(words.vfov, quantity.HFOV)
     if words.cover is not None:
-        width, found["cover_at_m"] = read.at_distance(words.cover, far_m, "cover")
-        found["cover_mm"] = read.metres(width, "cover") * 1e3
+        found["cover_mm"], found["cover_at_m"] = read.cover(words.cover, far_m)
+    if words.min_baseline is not None:
+        found["min_baseline_mm"] = quantity.value(words.min_baseline, quantity.BASELINE)
+    if words.body_width is not None:
+        found["body_width_mm"] = quantity.value(words.body_width, _BODY)
     if words.max_baseline is not None:
         found["max_baseline_mm"] = quantity.value(words.max_baseline, quantity.BASELINE)
     if words.max_disparity is not None:
@@ -178,6 +236,8 @@ def _required(words: DesignWords, near_m: float, far_m: float) -> dict[str, Any]
     found["min_overlap_at_m"] = [at_m for _, at_m in overlaps]
     if words.noise is not None:
         found["noise_px"] = quantity.value(words.noise, quantity.NOISE)
+    if words.disparity_noise is not None:
+        found["disparity_noise_px"] = quantity.value(words.disparity_noise, quantity.NOISE)
     if words.nearest_focus is not None:
         found["nearest_focus_m"] = read.metres(words.nearest_focus, "nearest focus")
     found["build_share"] = read.build_share(words.build_share)

@@ -62,6 +62,12 @@ Principal = Annotated[
 Noise = Annotated[
     str, typer.Option(metavar="PX", help="Standard deviation of every pixel coordinate in both images.")
 ]
+DisparityNoise = Annotated[
+    str | None,
+    typer.Option(
+        metavar="PX", help="Standard deviation of a disparity, instead of --noise: sqrt(2) times as much."
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document, at full precision.")]
 Csv = Annotated[bool, typer.Option("--csv", help="Print CSV, at full precision.")]
 Markdown = Annotated[bool, typer.Option("--markdown", help="Print a Markdown table.")]

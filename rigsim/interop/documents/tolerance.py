@@ -91,10 +91,10 @@ class Recalibration(Part):
     """Noise of one pixel coordinate in one of them, px."""
     averaged_noise_px: float
     """What is left of it, px."""
-    known_length_mm: float
-    """Length that is known, mm."""
+    known_lengths_mm: list[float]
+    """Lengths that are known, mm: three across the image, near to far, and one along the depth."""
     length_std_mm: float
-    """Its standard deviation, mm."""
+    """Standard deviation of each, mm."""
     says: str
     """The same in words."""
 
@@ -216,15 +216,15 @@ def quantities_part(result: ToleranceResult) -> list[Quantity]:
 
 
 def _recalibration(result: ToleranceResult, words: Words) -> Recalibration | None:
-    session, length_m = result.recalibration, result.known_length_m
-    if session is None or length_m is None:
+    session = result.recalibration
+    if session is None or not result.known_lengths_m:
         return None
     return Recalibration(
         features=session.features,
         pictures=session.pictures,
         noise_px=session.noise_px,
         averaged_noise_px=session.averaged_px,
-        known_length_mm=length_m * 1e3,
+        known_lengths_mm=[length_m * 1e3 for length_m in result.known_lengths_m],
         length_std_mm=session.length_std_mm,
         says=words.recalibration_sentence(result),
     )

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rigsim.present.design.tolerance import tolerance_says
+from rigsim.present.design.tolerance import limit_says, tolerance_says
 from rigsim.present.design.words import noise, outcome
 from rigsim.present.kit.console import make_console, print_table
 from rigsim.present.kit.format import MISSING, number
 from rigsim.study.design import words as words
-from rigsim.study.design.proof import Proof, held_to, recommended
+from rigsim.study.design.proof import Proof, held_to, recommended, verdict
 from rigsim.study.design.solve import Candidate, Design, Specification
 from rigsim.study.design.tolerance import DesignTolerance
 from rigsim.theory.inverse import Requirement
@@ -81,8 +81,8 @@ def requirement_rows(design: Design, proofs: Sequence[Proof]) -> list[tuple[str,
     for asked in spec.requirements:
         held = held_to(asked, pick, proofs)
         formula = achieved_value(asked, pick, spec)
-        met = asked.is_met(formula) and (held is None or held.is_met)
-        missed = held is not None and held.is_missed_by_pixels
+        told = verdict(asked, pick, proofs, spec)
+        missed = held is not None and held.is_met and held.is_missed_by_pixels
         rows.append(
             (
                 words.name(asked),
@@ -90,7 +90,7 @@ def requirement_rows(design: Design, proofs: Sequence[Proof]) -> list[tuple[str,
                 words.value(asked, formula, 3),
                 _said(asked, math.nan if held is None else held.simulated),
                 _said(asked, math.nan if held is None else held.measured),
-                "not met" if not met else "measured: not met" if missed else "met",
+                "measured: not met" if missed else told.replace("_", " "),
             )
         )
     return rows
@@ -208,6 +208,7 @@ def print_design(
     if tolerance is not None:
         console.print(tolerance_says(tolerance), soft_wrap=True)
         console.print(yields_words(tolerance), soft_wrap=True)
+        console.print(limit_says(tolerance), soft_wrap=True)
         console.print()
     front = design.pareto[:_MOST]
     more = f", {_MOST} of {len(design.pareto)}" if len(design.pareto) > _MOST else ""

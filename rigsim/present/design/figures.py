@@ -23,7 +23,7 @@ from rigsim.rig.noise import PixelNoise
 from rigsim.study.design import words as words
 from rigsim.study.design.proof import Proof
 from rigsim.study.design.solve import Candidate, Design, Specification
-from rigsim.theory.inverse import Camera, baseline_interval
+from rigsim.theory.inverse import Camera, Requirement, baseline_interval
 from rigsim.theory.inverse_error import noise_error
 
 _LEFT, _BOTTOM, _WIDTH, _HEIGHT = 0.75, 0.6, 4.2, 3.5
@@ -111,8 +111,8 @@ def _limit_lines(
             continue
         color, dash = style.LINES[place % len(style.LINES)], _DASHES[place % len(_DASHES)]
         name = words.whole(asked).replace("<=", "≤").replace(">=", "≥")
-        if asked.kind == "fov":
-            widest = chip.width_px / 2 / math.tan(asked.limit / 2)
+        if asked.kind in ("fov", "vfov", "cover_height"):
+            widest = _longest_focal_px(asked, chip)
             line = Named(np.full(2, widest), np.array(span_mm), name, color)
             out = not f[0] <= widest <= f[-1]
         else:
@@ -123,6 +123,14 @@ def _limit_lines(
         if not out:
             lines.append((line, dash))
     return lines
+
+
+def _longest_focal_px(asked: Requirement, chip: Camera) -> float:
+    """The focal length, px, beyond which a camera of that image size sees too little."""
+    if asked.kind == "cover_height":
+        return chip.height_px * asked.depth_m / asked.limit
+    side_px = chip.width_px if asked.kind == "fov" else chip.height_px
+    return side_px / 2 / math.tan(asked.limit / 2)
 
 
 def pareto_figure(design: Design, pick: Candidate) -> Figure:

@@ -10,9 +10,20 @@ from rigsim.study.design import words as words
 from rigsim.study.design.help import Attempt, Best
 from rigsim.study.design.tolerance import DesignTolerance
 from rigsim.study.tolerance.count import Count
+from rigsim.study.tolerance.predicted import NOISE, quantity_of
 from rigsim.study.tolerance.sensitivities import QUANTITIES, UNITS
 
+
+def _calibrated_before(parameter: str, std: float, share: float) -> str:
+    key = quantity_of(parameter)
+    if math.isfinite(share):
+        return f"{QUANTITIES[key]} calibrated to {100 * share:.2g} %"
+    amount = std * {"deg": math.degrees(1), "mm": 1e3}.get(UNITS[key], 1.0)
+    return f"{QUANTITIES[key]} calibrated to {amount:.2g} {UNITS[key]}".rstrip()
+
+
 CHANGED: Sentences = {
+    "calibrated-before": _calibrated_before,
     "nothing": "nothing",
     "more-pictures": "ten times the pictures",
     "known-length": "a length known to {std_mm:g} mm",
@@ -28,6 +39,14 @@ def tolerance_says(tolerance: DesignTolerance) -> str:
     """What the build must hold, who holds it, and what would help where no class will do."""
     told = (_must_hold(tolerance), _who(tolerance), _help(tolerance.best, tolerance.advice))
     return " ".join(told).strip()
+
+
+def limit_says(tolerance: DesignTolerance) -> str:
+    """The yield of the class that will do, or was asked for, and what limits it."""
+    name, state, count = tolerance.told
+    limit = "pixel noise" if tolerance.limited_by == NOISE else QUANTITIES[tolerance.limited_by]
+    how = "recalibrated" if state == "recalibrated" else "as built"
+    return f"Class {name}, {how}: {words.share(count.share)} % with noise and build, limited most by {limit}."
 
 
 def attempt(tried: Attempt) -> str:

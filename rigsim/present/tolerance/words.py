@@ -69,12 +69,14 @@ def informed_sentence(result: ToleranceResult) -> str:
 
 def recalibration_sentence(result: ToleranceResult) -> str:
     """What the recalibration has to work with, and that reality is worse; empty without one."""
-    session, length_m = result.recalibration, result.known_length_m
-    if session is None or length_m is None:
+    session = result.recalibration
+    if session is None or not result.known_lengths_m:
         return ""
+    near_m, middle_m, far_m, along_m = result.known_lengths_m
     return (
         f"Recalibration at its best: {session.features} features in {session.pictures} pictures,"
-        f" {session.noise_px:g} px each, averaged to {session.averaged_px:.2g} px; one length of"
-        f" {length_m:.3g} m known to {session.length_std_mm:g} mm; no false match, no lens error but the"
+        f" {session.noise_px:g} px each, averaged to {session.averaged_px:.2g} px; lengths of"
+        f" {near_m:.3g}, {middle_m:.3g} and {far_m:.3g} m across and {along_m:.3g} m along the depth known to"
+        f" {session.length_std_mm:g} mm; no false match, no lens error but the"
         " tolerances' own."
     )

@@ -121,11 +121,14 @@ def check(asked: Requirement, sight: RigInScene, rng: np.random.Generator) -> Re
             return _disparity(asked, sight)
         case "overlap" | "cover":
             return _plane(asked, rig)
-        case "fov":
-            return RequirementCheck(asked, min(_fov_rad(rig.left), _fov_rad(rig.right)), "rays")
+        case "cover_height":
+            return _plane_down(asked, rig)
+        case "fov" | "vfov":
+            down = asked.kind == "vfov"
+            return RequirementCheck(asked, min(_fov_rad(rig.left, down), _fov_rad(rig.right, down)), "rays")
         case "pixels":
             return RequirementCheck(asked, float(math.prod(sight.picture_px)), "pictures")
-        case "max_baseline":
+        case "max_baseline" | "min_baseline":
             return RequirementCheck(asked, sight.centres_apart_m, "cameras")
 
 
@@ -215,16 +218,43 @@ def _plane(asked: Requirement, rig: StereoRig) -> RequirementCheck:
     return RequirementCheck(asked, float(seen.sum()) * step_m, "plane", slack=2 * step_m)
 
 
+def _plane_down(asked: Requirement, rig: StereoRig) -> RequirementCheck:
+    """What both cameras see of a plane from top to bottom, m: down the middle of what both see across."""
+    across = plane(rig, asked.depth_m)
+    shared = across[rig.right.contains(rig.project(across)[1])]
+    if not len(shared):
+        return RequirementCheck(asked, 0.0, "plane")
+    u = float(rig.project(shared)[0][:, 0].mean())
+    points = _on_plane(rig, _middles(rig.left.height), asked.depth_m, u)
+    seen = rig.right.contains(rig.project(points)[1])
+    step_m = float(points[1, 1] - points[0, 1])
+    return RequirementCheck(asked, float(seen.sum()) * step_m, "plane", slack=2 * step_m)
+
+
 def plane(rig: StereoRig, depth_m: float) -> Array:
     """Points (N, 3) m at one depth, evenly along the left image's middle row, from edge to edge."""
+    return _on_plane(rig, _middles(rig.left.width), depth_m)
+
+
+def _middles(length_px: int) -> Array:
+    return (np.arange(_PLANE_SAMPLES) + 0.5) / _PLANE_SAMPLES * length_px - 0.5
+
+
+def _on_plane(rig: StereoRig, px: Array, depth_m: float, column_px: float | None = None) -> Array:
+    """Along the middle row, or down a column."""
     lens = rig.left
-    u = (np.arange(_PLANE_SAMPLES) + 0.5) / _PLANE_SAMPLES * lens.width - 0.5
-    rays = lens.normalize(np.column_stack([u, np.full(len(u), lens.cy)]))
-    return np.column_stack([rays * depth_m, np.full(len(u), depth_m)])
+    if column_px is None:
+        uv = np.column_stack([px, np.full(len(px), lens.cy)])
+    else:
+        uv = np.column_stack([np.full(len(px), column_px), px])
+    return np.column_stack([lens.normalize(uv) * depth_m, np.full(len(px), depth_m)])
 
 
-def _fov_rad(lens: Intrinsics) -> float:
-    """Angle between the rays through the left and the right border of the middle row, rad."""
-    edges = lens.normalize([[-0.5, lens.cy], [lens.width - 0.5, lens.cy]])
+def _fov_rad(lens: Intrinsics, down: bool = False) -> float:
+    """Angle between the rays through the borders of the middle row, or of the middle column, rad."""
+    if down:
+        edges = lens.normalize([[lens.cx, -0.5], [lens.cx, lens.height - 0.5]])
+    else:
+        edges = lens.normalize([[-0.5, lens.cy], [lens.width - 0.5, lens.cy]])
     left, right = np.column_stack([edges, np.ones(2)])
     return math.atan2(float(np.linalg.norm(np.cross(left, right))), float(left @ right))

@@ -10,12 +10,14 @@ from rigsim.errors import InvalidRange
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.design import words as words
 from rigsim.study.design.budget import MARGIN
+from rigsim.study.design.buildable import expected
 from rigsim.study.design.solve import Candidate, Specification
 from rigsim.study.saying import Saying, saying
+from rigsim.study.tolerance.batch import PARAMETERS
 from rigsim.study.tolerance.count import AS_BUILT, RECALIBRATED, Count, count_good
+from rigsim.study.tolerance.predicted import quantity_of
 from rigsim.study.tolerance.recalibration.session import Build, Recalibration
 from rigsim.study.tolerance.sensitivities import (
-    CLASSES,
     QUANTITIES,
     BuildRequirement,
     Tolerances,
@@ -106,9 +108,10 @@ def _changes(
     others: Sequence[Candidate],
 ) -> Iterator[_Attempted]:
     rig, noise_px = pick.rig, specification.noise_px
-    session, built = Recalibration(noise_px=noise_px), CLASSES[best.name]
-    plain = _Attempted(saying("nothing"), rig, built.tolerances(rig), noise_px, session)
+    session, builder = Recalibration(noise_px=noise_px), specification.builder
+    plain = _Attempted(saying("nothing"), rig, builder.of(rig, best.name), noise_px, session)
     if best.recalibrated:
+        yield from _calibrated(specification, plain, best)
         yield replace(
             plain,
             change=saying("more-pictures"),
@@ -132,18 +135,35 @@ def _changes(
     if longest_m > 1.02 * pick.baseline_m:
         longer = replace(pick, baseline_m=longest_m).rig
         change = saying("longest-baseline", baseline_m=longest_m)
-        yield replace(plain, change=change, rig=longer, tolerances=built.tolerances(longer))
+        yield replace(plain, change=change, rig=longer, tolerances=builder.of(longer, best.name))
     elsewhere = [item for item in others if item.camera != pick.camera]
     if elsewhere:
         other = min(elsewhere, key=lambda item: item.far_error_m)
         change = saying("other-rig", baseline_m=other.baseline_m, camera=words.camera(other.camera))
-        yield replace(plain, change=change, rig=other.rig, tolerances=built.tolerances(other.rig))
+        yield replace(plain, change=change, rig=other.rig, tolerances=builder.of(other.rig, best.name))
     half = noise_px / 2
     yield replace(
         plain,
         change=saying("half-noise", noise_px=half),
         noise_px=half,
         session=replace(session, noise_px=half),
+    )
+
+
+def _calibrated(specification: Specification, plain: _Attempted, best: Best) -> Iterator[_Attempted]:
+    """The quantity that limits, calibrated before ten times as well as the recalibration does."""
+    limit = expected(plain.rig, specification, best.name, recalibrated=True)
+    name = (
+        None if limit is None else next((p for p in PARAMETERS if quantity_of(p) == limit.limited_by), None)
+    )
+    if limit is None or name is None:
+        return
+    left = limit.remaining_std / _TIGHTER
+    share = left / plain.rig.left.fx if name.endswith("focal_px") else math.nan
+    yield replace(
+        plain,
+        change=saying("calibrated-before", parameter=name, std=left, share=share),
+        session=replace(plain.session, known=((name, left),)),
     )
 
 

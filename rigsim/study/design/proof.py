@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from rigsim.rig.noise import PixelNoise
 from rigsim.study.agreement.agreement import Agreement
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 from rigsim.theory.inverse import Requirement
 
+Verdict: TypeAlias = Literal["met", "not_met", "not_shown"]
+"""What is known of a requirement; ``not_shown`` where the scene has nothing that could show it."""
 CAMERAS = 3
 """Cameras that are tried before giving up, each at up to three baselines."""
 ROUNDS = 3
@@ -233,3 +235,13 @@ def held_to(asked: Requirement, pick: Candidate, proofs: Sequence[Proof]) -> Req
     """What the proof of `pick` says of one requirement; None where there is none."""
     checks = (held for proof in proofs if proof.candidate == pick for held in proof.checks)
     return next((held for held in checks if held.requirement == asked), None)
+
+
+def verdict(asked: Requirement, pick: Candidate, proofs: Sequence[Proof], spec: Specification) -> Verdict:
+    """What is known of one requirement: by its proof, and by the formulas where nothing was tried."""
+    held = held_to(asked, pick, proofs)
+    formula = asked.is_met(asked.achieved(pick.camera, pick.baseline_m, spec.disparity_std_px))
+    if held is not None and math.isnan(held.simulated):
+        return "not_shown" if formula else "not_met"
+    met = formula and (held is None or (held.is_met and not held.is_missed_by_pixels))
+    return "met" if met else "not_met"

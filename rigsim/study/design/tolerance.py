@@ -11,15 +11,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rigsim.errors import InvalidRange
+from rigsim.study.design.buildable import expected, farthest_error, judged_by
 from rigsim.study.design.help import Attempt, Best, attempts
 from rigsim.study.design.solve import Candidate, Specification
 from rigsim.study.tolerance.count import Count, count_good
+from rigsim.study.tolerance.predicted import NOISE
 from rigsim.study.tolerance.run import Build, Recalibration, ToleranceResult, run_tolerance
-from rigsim.study.tolerance.sensitivities import CLASSES, BuildRequirement
+from rigsim.study.tolerance.sensitivities import CLASSES
 from rigsim.theory.inverse import Requirement as Asked
 
-CLASS = "machined"
-"""Class whose tolerances are ranked, unless asked for otherwise."""
 _RIGS = 2000
 _POINTS = 240
 
@@ -54,42 +54,40 @@ class DesignTolerance:
     """The depth error that is required, as it was asked for."""
     best: Best
     """The class that comes nearest."""
+    limited_by: str
+    """What limits the yield of the class `told`: a quantity's key, or ``noise``."""
+
+    @property
+    def told(self) -> tuple[str, str, Count]:
+        """The widest class that will do, else the own one: its name, ``as_built`` or ``recalibrated``,
+        whichever is more, and its count."""
+        return _told(self.yields, self.class_name)
 
     @property
     def recommended(self) -> tuple[str, str, Count] | None:
         """The widest class that will do, ``as_built`` or ``recalibrated``, and its count; None for none."""
-        for state in ("as_built", "recalibrated"):
-            for item in self.yields:
-                count: Count = getattr(item, state)
-                if count.is_enough:
-                    return item.name, state, count
-        return None
+        return _recommended(self.yields)
 
 
 def design_tolerance(
     specification: Specification,
     pick: Candidate,
-    class_name: str = CLASS,
     seed: int = 0,
     others: Sequence[Candidate] = (),
 ) -> DesignTolerance | None:
-    """Rank the tolerances of `pick` against the farthest depth error asked for, and count good rigs.
+    """Rank the builder's tolerances of `pick` against the farthest depth error asked for; count good rigs.
 
     Where no class will do, it is tried what would: `others` are other rigs that meet the specification. None
     where the cameras share too little of the range to judge a built rig by.
-
-    Raises:
-        InvalidRange: no such class.
     """
-    if class_name not in CLASSES:
-        raise InvalidRange(f"class {class_name!r}: choose one of {', '.join(CLASSES)}")
-    asked = farthest_error(specification.requirements)
-    required = BuildRequirement(asked.limit, asked.depth_m, asked.is_p95)
+    builder = specification.builder
+    class_name = builder.class_name
+    asked, required = farthest_error(specification.requirements), judged_by(specification.requirements)
     rig, range_m, noise_px = pick.rig, (specification.near_m, specification.far_m), specification.noise_px
     session = Recalibration(noise_px=noise_px)
     try:
         result = run_tolerance(
-            Build(rig, CLASSES[class_name].tolerances(rig), noise_px),
+            Build(rig, builder.of(rig), noise_px),
             required,
             range_m,
             n_rigs=_RIGS,
@@ -102,7 +100,7 @@ def design_tolerance(
                 name,
                 *(
                     count_good(
-                        Build(rig, built.tolerances(rig), noise_px, recalibration),
+                        Build(rig, builder.of(rig, name), noise_px, recalibration),
                         required,
                         range_m,
                         seed=seed,
@@ -110,7 +108,7 @@ def design_tolerance(
                     for recalibration in (None, session)
                 ),
             )
-            for name, built in CLASSES.items()
+            for name in CLASSES
         )
     except InvalidRange:
         return None
@@ -120,13 +118,34 @@ def design_tolerance(
         count.is_enough is not False for item in yields for count in (item.as_built, item.recalibrated)
     ):
         advice = attempts(specification, pick, best, required, others, seed)
-    return DesignTolerance(class_name, result, yields, result.judged.noise_mm / 1e3, advice, asked, best)
+    told = _told(yields, class_name)
+    limit = expected(rig, specification, told[0], told[1] == "recalibrated")
+    return DesignTolerance(
+        class_name,
+        result,
+        yields,
+        result.judged.noise_mm / 1e3,
+        advice,
+        asked,
+        best,
+        NOISE if limit is None else limit.limited_by,
+    )
 
 
-def farthest_error(requirements: Sequence[Asked]) -> Asked:
-    """The depth error asked for farthest off, the smallest where several are."""
-    errors = [asked for asked in requirements if asked.kind == "depth_error"]
-    return max(errors, key=lambda asked: (asked.depth_m, -asked.limit / asked.per_std))
+def _recommended(yields: Sequence[ClassYield]) -> tuple[str, str, Count] | None:
+    for state in ("as_built", "recalibrated"):
+        for item in yields:
+            count: Count = getattr(item, state)
+            if count.is_enough:
+                return item.name, state, count
+    return None
+
+
+def _told(yields: Sequence[ClassYield], class_name: str) -> tuple[str, str, Count]:
+    own = next(item for item in yields if item.name == class_name)
+    states = (("as_built", own.as_built), ("recalibrated", own.recalibrated))
+    state, count = max(states, key=lambda pair: pair[1].share)
+    return _recommended(yields) or (own.name, state, count)
 
 
 def _best(yields: Sequence[ClassYield]) -> Best:

@@ -42,13 +42,13 @@ def size(length_m: float, digits: int = 3) -> str:
 def value(requirement: Requirement, amount: float, digits: int = 4) -> str:
     """A value of the requirement's limit with its unit."""
     match requirement.kind:
-        case "depth_error" | "cover" | "max_baseline":
+        case "depth_error" | "cover" | "cover_height" | "max_baseline" | "min_baseline":
             return size(amount, digits)
         case "max_disparity":
             return f"{amount:.{digits}g} px"
         case "overlap":
             return f"{amount * 100:.{digits}g} %"
-        case "fov":
+        case "fov" | "vfov":
             return f"{math.degrees(amount):.{digits}g}°"
         case "pixels":
             return f"{amount / 1e6:.{digits}g} MP"
@@ -66,8 +66,11 @@ def name(requirement: Requirement) -> str:
         "max_disparity": "disparity search",
         "overlap": "overlap",
         "cover": "coverage",
+        "cover_height": "coverage down",
         "max_baseline": "baseline limit",
+        "min_baseline": "shortest baseline",
         "fov": "field of view",
+        "vfov": "vertical field of view",
         "pixels": "image size",
     }[requirement.kind] + at
 
@@ -94,6 +97,6 @@ def relaxation(found: Relaxation, noise_px: float) -> str:
     asked = found.requirement
     if asked is None:
         return f"noise from {noise_px:.4g} px to {rounded(found.needed, up=False):.4g} px"
-    scale = math.degrees(1) if asked.kind == "fov" else 1.0
+    scale = math.degrees(1) if asked.kind in ("fov", "vfov") else 1.0
     needed = rounded(found.needed * scale, up=not asked.at_least) / scale
     return f"{name(asked)} from {value(asked, asked.limit)} to {value(asked, needed)}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,7 @@ from scipy.special import betaincinv
 
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.tolerance.batch import RigBatch, read_rays
+from rigsim.study.tolerance.batch import PARAMETERS, RigBatch, read_rays
 from rigsim.study.tolerance.built import built_depths, draw, rigs_a_block
 from rigsim.study.tolerance.inputs import Causes
 from rigsim.study.tolerance.judge import Judge, make_judge
@@ -93,35 +93,49 @@ def count_good(
     points = shared_points(rig, required.depth_m, POINTS)
     judge = make_judge(rig, points, required, build.noise_px)
     compensator = None
+    known: dict[int, float] = {}
     if recalibration is not None and not off.after_calibration.all():
         compensator = make_compensator(rig, off, recalibration, range_m)
+        known = {PARAMETERS.index(name): left for name, left in recalibration.known}
     found = Count(0, 0)
     for look, size in enumerate(sizes or (AS_BUILT if compensator is None else RECALIBRATED)):
-        good = _good(rig, off, judge, points, size, compensator, np.random.default_rng([seed, look]))
+        rng = np.random.default_rng([seed, look])
+        before, late = _drawn(off, known, size, rng)
+        good = _good(rig, judge, points, before, late, compensator, rng)
         found = Count(found.good + int(good.sum()), found.rigs + size)
         if found.is_enough is not None and found.standard_error <= COARSEST:
             break
     return found
 
 
+def _drawn(
+    off: Causes, known: Mapping[int, float], n_rigs: int, rng: np.random.Generator
+) -> tuple[Array, Array]:
+    """What rigs are off by (n, 12) before a calibration, and what comes after it."""
+    deviations = draw(off, n_rigs, rng) * off.std
+    late = deviations * off.after_calibration @ off.effect
+    before = deviations * ~off.after_calibration @ off.effect
+    for place, left in known.items():
+        before[:, place] = left * rng.standard_normal(n_rigs)
+    return before, late
+
+
 def _good(
     rig: StereoRig,
-    off: Causes,
     judge: Judge,
     points: Array,
-    n_rigs: int,
+    before: Array,
+    late: Array,
     compensator: Compensator | None,
     rng: np.random.Generator,
 ) -> Mask:
-    drawn = draw(off, n_rigs, rng) * off.std
     size = rigs_a_block(len(points))
     parts = []
-    for start in range(0, n_rigs, size):
-        deviations = drawn[start : start + size]
-        depths, pixels, read = built_depths(rig, deviations @ off.effect, points)
+    for start in range(0, len(before), size):
+        block = slice(start, start + size)
+        depths, pixels, read = built_depths(rig, before[block] + late[block], points)
         if compensator is not None:
-            known = deviations * ~off.after_calibration @ off.effect
-            batch = RigBatch(rig, compensator.solve(*compensator.observe(known, rng)))
+            batch = RigBatch(rig, compensator.solve(*compensator.observe(before[block], rng)))
             depths = batch.triangulate(batch.rays(pixels, read or read_rays(rig, pixels)))[2]
         parts.append(judge.is_good(depths))
     return np.concatenate(parts)

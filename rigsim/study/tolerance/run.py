@@ -63,8 +63,9 @@ class ToleranceResult:
     """Rigs built."""
     n_points: int
     """Points each was judged by, over all depths."""
-    known_length_m: float | None = None
-    """Length that the compensator knows; None without one."""
+    known_lengths_m: tuple[float, ...] = ()
+    """Lengths that the compensator knows: three across the image, near to far, and one along the depth; none
+    without one."""
     noise_px: float = 0.0
     """Standard deviation of one pixel coordinate when rigs measure, px."""
 
@@ -141,7 +142,7 @@ def run_tolerance(
         found,
         n_rigs,
         sum(map(len, planes.values())),
-        compensators[0].length_m if compensators else None,
+        tuple(compensators[0].lengths_m.tolist()) if compensators else (),
         noise_px,
     )
 

@@ -39,6 +39,7 @@ __all__ = [
     "ToleranceClass",
     "Tolerances",
     "causes",
+    "depth_slopes",
     "first_order",
     "in_view",
     "scattered_points",
@@ -112,6 +113,11 @@ def sensitivities(
 
 def first_order(rig: StereoRig, off: Causes, points: Array) -> Array:
     """Depth error (m, q) m of each quantity, off by one standard deviation."""
+    return np.asarray(depth_slopes(rig, points, off) @ off.effect.T * off.std)
+
+
+def depth_slopes(rig: StereoRig, points: Array, off: Causes) -> Array:
+    """Depth error (m, p) m of `points` (m, 3) m per unit of each of `PARAMETERS`, of those that are off."""
     table = depth_sensitivity(rig, points)
     gain = pixel_gain(rig, points)[:, 2]
     # what Perturbation has no field for: the right image moves down, or both images grow by the same share
@@ -120,9 +126,10 @@ def first_order(rig: StereoRig, off: Causes, points: Array) -> Array:
         (rig.left, rig.right), rig.project(points), (slice(2), slice(2, 4)), strict=True
     ):
         grown += np.einsum("ni,ni->n", gain[:, moves], uv - (camera.cx, camera.cy)) / rig.left.fx
-    columns = np.stack([*(table[name] for name in NAMES), gain[:, 3], grown], axis=1)
-    columns[:, ~off.effect.any(axis=0)] = 0.0  # a lens without k1 has no effect of it, not even one of 0
-    return np.asarray(columns @ off.effect.T * off.std)
+    columns = [*(table[name] for name in NAMES), gain[:, 3], grown]
+    slopes = np.stack(columns, axis=1)
+    slopes[:, ~off.effect.any(axis=0)] = 0.0  # a lens without k1 has no effect of it, not even one of 0
+    return slopes
 
 
 def shared_points(rig: StereoRig, depth_m: float, count: int) -> Array:

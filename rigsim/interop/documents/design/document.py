@@ -26,7 +26,7 @@ from rigsim.interop.documents.text import clean
 from rigsim.interop.documents.tolerance import quantities_part, required_part
 from rigsim.study.design import words as labels
 from rigsim.study.design.help import Attempt
-from rigsim.study.design.proof import Proof, held_to, recommended
+from rigsim.study.design.proof import Proof, held_to, recommended, verdict
 from rigsim.study.design.solve import Candidate as Picked
 from rigsim.study.design.solve import Design, Specification
 from rigsim.study.design.tolerance import DesignTolerance as Held
@@ -36,10 +36,13 @@ from rigsim.theory.inverse import Interval, Requirement
 _UNITS: dict[Kind, tuple[Unit, float]] = {
     "depth_error": ("mm", 1e3),
     "cover": ("mm", 1e3),
+    "cover_height": ("mm", 1e3),
     "max_baseline": ("mm", 1e3),
+    "min_baseline": ("mm", 1e3),
     "max_disparity": ("px", 1.0),
     "overlap": ("fraction", 1.0),
     "fov": ("deg", math.degrees(1)),
+    "vfov": ("deg", math.degrees(1)),
     "pixels": ("px", 1.0),
     "far_disparity": ("standard deviations", 1.0),
 }
@@ -111,12 +114,17 @@ def _reason(pick: Picked, proofs: Sequence[Proof], words: Words) -> str:
 
 
 def _class(tolerance: Held | None) -> dict[str, Any]:
-    """The class that will do, how, and its yield; null for none."""
-    found = None if tolerance is None else tolerance.recommended
-    if found is None:
-        return {"class": None, "class_state": None, "yield_pct": None}
-    name, state, count = found
-    return {"class": name, "class_state": state, "yield_pct": clean(100 * count.share)}
+    """The class that will do or was asked for, how, its yield and what limits it; null where none is told."""
+    if tolerance is None:
+        return dict.fromkeys(("class", "class_state", "class_enough", "yield_pct", "limited_by"))
+    name, state, count = tolerance.told
+    return {
+        "class": name,
+        "class_state": state,
+        "class_enough": count.is_enough,
+        "yield_pct": clean(100 * count.share),
+        "limited_by": tolerance.limited_by,
+    }
 
 
 def _rig(candidate: Picked) -> dict[str, Any]:
@@ -203,6 +211,7 @@ def _achieved(asked: Requirement, pick: Picked, design: Design, proofs: Sequence
     unit, scale = _UNITS[asked.kind]
     predicted = asked.achieved(pick.camera, pick.baseline_m, design.specification.disparity_std_px)
     held = held_to(asked, pick, proofs)
+    told = verdict(asked, pick, proofs, design.specification)
     return Achieved(
         requirement=asked.kind,
         statistic="p95" if asked.per_std != 1 else "std",
@@ -218,7 +227,8 @@ def _achieved(asked: Requirement, pick: Picked, design: Design, proofs: Sequence
         farthest_mm=None if held is None else _known(held.farthest_m * 1e3),
         measured=None if held is None else _known(held.measured * scale),
         measured_n=0 if held is None else held.n_measured,
-        met=bool(asked.is_met(predicted) if held is None else held.is_met and not held.is_missed_by_pixels),
+        met=told == "met",
+        verdict=told,
     )
 
 

@@ -8,13 +8,12 @@ from pydantic import Field
 
 from rigsim.interop.documents.base import Part, SeenRig
 from rigsim.interop.documents.tolerance import Quantity, Required
+from rigsim.theory.inverse import RequirementKind
 
-Kind = Literal[
-    "depth_error", "far_disparity", "max_disparity", "overlap", "cover", "max_baseline", "fov", "pixels"
-]
+Kind = RequirementKind
 """A requirement's name."""
 
-Preference = Literal["smallest", "cheapest", "most-accurate"]
+Preference = Literal["buildable", "smallest", "cheapest", "most-accurate"]
 
 Unit = Literal["mm", "px", "fraction", "deg", "standard deviations"]
 """What a requirement's numbers are in."""
@@ -64,11 +63,16 @@ class Recommended(Candidate):
     noise_share: float
     """What pixel noise takes of the variance of the depth error asked for; of the worst of several."""
     class_name: Literal["printed", "machined", "calibrated"] | None = Field(alias="class")
-    """The widest class of which 95 of 100 rigs keep the farthest depth error with noise; null for none."""
+    """The widest class of which 95 of 100 rigs keep the farthest depth error with noise, else the class asked
+    for; null where no built rig can be judged."""
     class_state: Literal["as_built", "recalibrated"] | None
-    """Whether it does as built, or once every rig is recalibrated."""
+    """How: as built, or once every rig is recalibrated."""
+    class_enough: bool | None
+    """Whether 95 of 100 are good; null where that is not told."""
     yield_pct: float | None
-    """Good rigs of that class in that state, %."""
+    """Good rigs of that class in that state, noise and build together, %."""
+    limited_by: str | None
+    """What limits that yield: a quantity, by its key as in `tolerance.quantities`, or `noise`."""
 
 
 class Proved(Candidate):
@@ -135,6 +139,8 @@ class Achieved(Part):
     """Matches that rests on."""
     met: bool
     """Whether it is met, by all that is known."""
+    verdict: Literal["met", "not_met", "not_shown"]
+    """The same; not_shown where the scene has nothing that could show it."""
 
 
 class Feasible(Camera):

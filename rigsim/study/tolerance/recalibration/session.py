@@ -24,6 +24,9 @@ _ROW_SAMPLES = 201
 class Recalibration:
     """What the compensator has to work with: by default a quick session with a tape measure.
 
+    Lengths are known, three across the image, near to far, and one along the depth, as of a board that is
+    held obliquely too: they tell the baseline and the focal length that both cameras share.
+
     Every picture adds: feature noise is taken as independent from picture to picture, and the lenses as
     having no errors but those of the tolerances. A real session has both, so this is its best case.
     """
@@ -35,7 +38,9 @@ class Recalibration:
     noise_px: float = 0.25
     """Standard deviation of one pixel coordinate in one picture."""
     length_std_mm: float = 0.5
-    """Standard deviation of the known length."""
+    """Standard deviation of each known length."""
+    known: tuple[tuple[str, float], ...] = ()
+    """Some of `PARAMETERS` that were calibrated before, and the standard deviations that this left."""
 
     def __post_init__(self) -> None:
         for name, value, least in (
@@ -78,7 +83,7 @@ def make_compensator(
     *,
     informed: bool = False,
 ) -> Compensator:
-    """The calibration of one rig: features over the range, a length across the middle of the image.
+    """The calibration of one rig: features over the range, and known lengths.
 
     It knows nothing beforehand, as `wide_std` says, or, when `informed`, the tolerances that rigs are built
     to: those who recalibrate seldom do, and a simulation that knows what it drew from flatters itself.
@@ -88,25 +93,38 @@ def make_compensator(
     std = np.sqrt(((off.effect * off.std[:, None])[before] ** 2).sum(axis=0))
     if not informed:
         std = np.where(std > 0, np.maximum(wide_std(rig), std), 0.0)
-    middle_m = (near_m + far_m) / 2
-    row = np.column_stack(
-        [np.linspace(0, rig.left.width - 1, _ROW_SAMPLES), np.full(_ROW_SAMPLES, (rig.left.height - 1) / 2)]
-    )
-    across = np.column_stack([rig.left.normalize(row) * middle_m, np.full(_ROW_SAMPLES, middle_m)])
-    across = across[rig.right.contains(rig.project(across)[1])]
-    if len(across) < 4:
-        raise InvalidRange(
-            f"depth {middle_m * 1e3:g} mm: too little is in both images to lay a known length there;"
-            " take a larger distance or leave the recalibration out"
-        )
+    for name, left in recalibration.known:
+        std[PARAMETERS.index(name)] = left
+    rows = [_shared_row(rig, near_m + share * (far_m - near_m)) for share in (0.25, 0.5, 0.75)]
+    marks = [row[place * len(row) // 4] for row in rows for place in (1, 3)]
+    marks += [rows[place][len(rows[place]) // 2] for place in (0, 2)]
     return Compensator(
         rig,
         scattered_points(rig, near_m, far_m, recalibration.features),
-        across[[len(across) // 4, 3 * len(across) // 4]],
+        np.array(marks),
         std,
         recalibration.averaged_px,
         recalibration.length_std_mm / 1e3,
     )
+
+
+def _shared_row(rig: StereoRig, depth_m: float) -> Array:
+    """Points (n, 3) m at one depth in the middle row of the left image, as far as the right camera sees them.
+
+    Raises:
+        InvalidRange: there are fewer than 4.
+    """
+    row = np.column_stack(
+        [np.linspace(0, rig.left.width - 1, _ROW_SAMPLES), np.full(_ROW_SAMPLES, (rig.left.height - 1) / 2)]
+    )
+    points = np.column_stack([rig.left.normalize(row) * depth_m, np.full(_ROW_SAMPLES, depth_m)])
+    points = points[rig.right.contains(rig.project(points)[1])]
+    if len(points) < 4:
+        raise InvalidRange(
+            f"depth {depth_m * 1e3:g} mm: too little is in both images to lay a known length there;"
+            " take a larger distance or leave the recalibration out"
+        )
+    return points
 
 
 def wide_std(rig: StereoRig) -> Array:
