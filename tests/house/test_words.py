@@ -39,7 +39,11 @@ TABLES: dict[str, Sentences] = {
 }
 MOST_WORDS = 6
 # one table of columns, of axes and of classes each: their help and their meaning stand beside the entry
-REGISTRIES = ("scene/columns.py", "scene/axes/", "tolerance/classes.py")
+REGISTRIES = (
+    *(f"{room}/columns.py" for room in ("scene", "compare", "measure", "tolerance")),
+    "scene/axes/",
+    "tolerance/classes.py",
+)
 # parts of errors and remarks, or why something was not run
 REASONS = (
     "calc/limits.py",
@@ -48,6 +52,7 @@ REASONS = (
     "design/words.py",
     "infer/remarks.py",
     "measure/rows.py",
+    "sweep/run.py",
     "sweep/advice.py",
     "triangulators/isolated.py",
     "verify/golden.py",

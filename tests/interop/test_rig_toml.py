@@ -347,7 +347,7 @@ def test_a_rig_without_a_sensor_loads_nothing_of_it(tmp_path: Path) -> None:
     code = (
         "import sys\nfrom pathlib import Path\nfrom rigsim.interop.formats.rig_toml import read_rig\n"
         "read_rig(Path(sys.argv[1]))\n"
-        "print('rigsim.interop.formats.rig_schema' in sys.modules, 'scipy' in sys.modules)"
+        "print('rigsim.interop.formats.tables.rig' in sys.modules, 'scipy' in sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code, path], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["True", "False"]

@@ -99,8 +99,8 @@ def specified(options: DesignOptions) -> Specification:
         noise_px=PRIOR_NOISE_PX if noise_px is None else given.real(noise_px, "noise_px"),
         nearest_focus_m=given.real(options.nearest_focus_m, "nearest_focus_m"),
         build_share=given.real(options.build_share, "build_share"),
-        builder=_builder(options),
     )
+    specification = replace(specification, builder=_builder(options))
     if noise_px is not None:
         return specification
     return replace(specification, noise_source="assumed", noise_from=saying("assumed: none-given"))

@@ -48,8 +48,8 @@ from typing import TYPE_CHECKING, TypeVar
 from rigsim import foreign
 from rigsim.errors import InvalidRig
 from rigsim.interop.formats.format import Format
-from rigsim.interop.formats.lens_tables import LARGEST
-from rigsim.interop.formats.rig_schema import (
+from rigsim.interop.formats.tables.lens import LARGEST
+from rigsim.interop.formats.tables.rig import (
     perturbation_from_table,
     rig_from_table,
     sensor_from_table,

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 from rigsim.theory.inverse import Requirement
 
-Verdict: TypeAlias = Literal["met", "not_met", "not_shown"]
+RequirementVerdict: TypeAlias = Literal["met", "not_met", "not_shown"]
 """What is known of a requirement; ``not_shown`` where the scene has nothing that could show it."""
 CAMERAS = 3
 """Cameras that are tried before giving up, each at up to three baselines."""
@@ -237,7 +237,9 @@ def held_to(asked: Requirement, pick: Candidate, proofs: Sequence[Proof]) -> Req
     return next((held for held in checks if held.requirement == asked), None)
 
 
-def verdict(asked: Requirement, pick: Candidate, proofs: Sequence[Proof], spec: Specification) -> Verdict:
+def verdict(
+    asked: Requirement, pick: Candidate, proofs: Sequence[Proof], spec: Specification
+) -> RequirementVerdict:
     """What is known of one requirement: by its proof, and by the formulas where nothing was tried."""
     held = held_to(asked, pick, proofs)
     formula = asked.is_met(asked.achieved(pick.camera, pick.baseline_m, spec.disparity_std_px))

@@ -161,7 +161,6 @@ def specify(
     min_overlap: float = MIN_OVERLAP,
     nearest_focus_m: float = 0.0,
     build_share: float = BUILD_SHARE,
-    builder: Builder | None = None,
 ) -> Specification:
     """A specification for a working range: overlap at its near end and a useful disparity at its far end too.
 
@@ -175,7 +174,6 @@ def specify(
         nearest_focus_m: the nearest distance at which the lenses draw sharply, m.
         build_share: share of a depth error's variance that is the build's, 0 to below 1; the rest is the
             noise's.
-        builder: who builds it; machinists by default.
 
     Raises:
         InvalidRange: the range is empty, starts at 0 or nearer than the lenses focus, no depth error is asked
@@ -200,14 +198,7 @@ def specify(
     implied = [Requirement("far_disparity", LEAST_DEPTH_SIGMAS, far_m)]
     if not any(asked.kind == "overlap" and asked.depth_m == near_m for asked in requirements):
         implied.insert(0, Requirement("overlap", min_overlap, near_m))
-    return Specification(
-        near_m,
-        far_m,
-        (*requirements, *implied),
-        noise_px,
-        build_share=build_share,
-        builder=builder or MACHINISTS,
-    )
+    return Specification(near_m, far_m, (*requirements, *implied), noise_px, build_share=build_share)
 
 
 def solve(specification: Specification, cameras: Sequence[Camera], preference: str = "buildable") -> Design:

@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError
 
 from rigsim.errors import InvalidRig
-from rigsim.interop.formats.lens_tables import TABLES, AnyLens, Number, Table
+from rigsim.interop.formats.tables.lens import TABLES, AnyLens, Number, TomlTable
 from rigsim.interop.formats.values import clipped, shown
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.perturbation import Perturbation
@@ -91,7 +91,7 @@ _Size = Annotated[int, BeforeValidator(_whole), Field(ge=1, le=10**6)]
 _Vector = Annotated[list[Number], Field(min_length=3, max_length=3)]
 
 
-class _Sensor(Table):
+class _Sensor(TomlTable):
     """What is not given is the named sensor's or, without a name, the ideal one's."""
 
     name: Annotated[str, BeforeValidator(_name)] | None = None
@@ -124,7 +124,7 @@ class _Sensor(Table):
         return replace(sensor_preset(self.name).sensor(**electrons), **given)
 
 
-class _Perturbation(Table):
+class _Perturbation(TomlTable):
     """The fields of `rigsim.rig.perturbation.Perturbation`, in the units of files."""
 
     yaw_deg: Number = Decimal(0)
@@ -146,7 +146,7 @@ class _Perturbation(Table):
         )
 
 
-class _Short(Table):
+class _Short(TomlTable):
     baseline_mm: _Positive
     width_px: _Size
     height_px: _Size
@@ -187,7 +187,7 @@ class _Short(Table):
 _LENS_KEYS = ("focal_px", "hfov_deg", "focal_mm", "sensor_width_mm")
 
 
-class _Camera(Table):
+class _Camera(TomlTable):
     width_px: _Size
     height_px: _Size
     fx_px: _Positive
@@ -208,7 +208,7 @@ class _Camera(Table):
         )
 
 
-class _Pose(Table):
+class _Pose(TomlTable):
     R: Annotated[list[_Vector], Field(min_length=3, max_length=3)] | None = None
     rotvec_deg: _Vector | None = None
     t_mm: _Vector
@@ -222,7 +222,7 @@ class _Pose(Table):
         raise InvalidRig("right_from_left: must hold one of R (3 x 3) and rotvec_deg (3 numbers)")
 
 
-class _Full(Table):
+class _Full(TomlTable):
     left: _Camera
     right: _Camera
     right_from_left: _Pose
@@ -242,7 +242,7 @@ def _metres(value_mm: Decimal) -> float:
     return float(value_mm.scaleb(-3))
 
 
-def _explained(error: ValidationError, form: type[Table]) -> str:
+def _explained(error: ValidationError, form: type[TomlTable]) -> str:
     """One line for the error to mend first: a misspelt key before the one that is missing for it."""
     found = sorted(error.errors(), key=lambda item: item["type"] != "extra_forbidden")[0]
     path = found["loc"]
@@ -259,11 +259,11 @@ def _explained(error: ValidationError, form: type[Table]) -> str:
     return f"{key} {_clipped(found['input'])}: {_bound(found)}"
 
 
-def _known_keys(form: type[Table], path: Sequence[str]) -> list[str]:
+def _known_keys(form: type[TomlTable], path: Sequence[str]) -> list[str]:
     for part in path:
         annotation = form.model_fields[part].annotation
         for inner in (annotation, *get_args(annotation)):
-            if isinstance(inner, type) and issubclass(inner, Table):
+            if isinstance(inner, type) and issubclass(inner, TomlTable):
                 form = inner
     return sorted(form.model_fields, key=lambda name: name == "model")
 

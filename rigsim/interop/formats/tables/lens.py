@@ -40,13 +40,13 @@ Number = Annotated[Decimal, BeforeValidator(_number)]
 """A number of a rig.toml."""
 
 
-class Table(BaseModel):
+class TomlTable(BaseModel):
     """A table of a rig.toml: no key but its own."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class LensTable(Table):
+class LensTable(TomlTable):
     """The coefficients of a lens."""
 
     model: str = registry.DEFAULT
