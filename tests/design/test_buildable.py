@@ -1,0 +1,83 @@
+"""Designs that can be built: what is expected of built rigs, and that the pick is one of them."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import rigsim
+from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.stereo import StereoRig
+from rigsim.study.tolerance.count import count_good
+from rigsim.study.tolerance.predicted import expect
+from rigsim.study.tolerance.recalibration.session import Build, Recalibration
+from rigsim.study.tolerance.sensitivities import CLASSES, BuildRequirement, Tolerances
+
+RIG = StereoRig.rectified(Intrinsics.from_focal(1280, 960, 1100.0), 0.2)
+RANGE_M = (0.5, 3.0)
+
+
+@pytest.mark.parametrize("name", ["machined", "calibrated"])
+@pytest.mark.parametrize("recalibrated", [False, True])
+def test_what_is_expected_is_what_is_built(name: str, recalibrated: bool) -> None:
+    session = Recalibration() if recalibrated else None
+    # where some are good and some are not
+    required = BuildRequirement(0.022 if recalibrated else {"machined": 0.2, "calibrated": 0.03}[name], 3.0)
+    build = Build(RIG, CLASSES[name].tolerances(RIG), 0.25, session)
+    expected = expect(build, required, RANGE_M).good
+    counted = count_good(build, required, RANGE_M, sizes=(1000,))
+    assert 0.05 < expected < 0.98
+    # first order, and the chance of two counts of 1000
+    assert expected == pytest.approx(counted.share, abs=0.03 + 3 * counted.standard_error)
+
+
+def test_the_quantity_that_limits_is_named() -> None:
+    required = BuildRequirement(0.01, 3.0)
+    # Z dB / B: 3 mm of 200 are 45 mm, and 0.01 deg of yaw f B / Z^2 ... 7.9 mm
+    both = Tolerances(baseline_mm=3.0, yaw_deg=0.01)
+    found = expect(Build(RIG, both, 0.25), required, RANGE_M)
+    assert (found.limited_by, found.remaining_std) == ("baseline_mm", pytest.approx(0.003))
+    assert expect(Build(RIG, Tolerances(yaw_deg=1e-4), 0.25), required, RANGE_M).limited_by == "noise"
+    # after a calibration the bar grows: 23 ppm x 1000 K of 200 mm are 4.6 mm
+    hot = Build(RIG, Tolerances(yaw_deg=0.01, temperature_k=1000.0), 0.25, Recalibration())
+    assert expect(hot, required, RANGE_M).limited_by == "temperature_k"
+
+
+def test_known_lengths_tell_the_focal_length_that_both_share() -> None:
+    """X = u B / d alone does not: one length along the depth does."""
+    build = Build(RIG, Tolerances(both_focal_px=55.0), 0.05, Recalibration(noise_px=0.05))
+    # 5 % of the focal length are 5 % of the depth, 150 mm
+    required = BuildRequirement(0.01, 3.0)
+    assert count_good(Build(RIG, build.tolerances, 0.05), required, RANGE_M, sizes=(300,)).share < 0.15
+    assert count_good(build, required, RANGE_M, sizes=(300,)).share > 0.97
+
+
+def test_the_pick_can_be_built() -> None:
+    asked = {"range_m": (0.5, 3), "depth_error_mm": 10, "fov_deg": 60, "proof": False}
+    found = rigsim.design(**asked)
+    cheapest = rigsim.design(**asked, prefer="cheapest")
+    assert found.tolerance is not None
+    assert cheapest.tolerance is not None
+    name, _, count = found.tolerance.told
+    best = found.document()["recommended"]
+    assert count.is_enough
+    assert (best["class"], best["class_enough"], best["limited_by"]) == (name, True, "noise")
+    assert best["yield_pct"] == pytest.approx(100 * count.share)
+    assert not cheapest.tolerance.told[2].is_enough
+    assert found.rig.left.width > cheapest.rig.left.width
+
+
+def test_own_tolerances_stand_in_for_the_class_s() -> None:
+    found = rigsim.design(
+        (1, 3),
+        depth_error_mm=30,
+        resolutions_px=(1280, 960),
+        lenses_deg=60,
+        proof=False,
+        tolerances={"yaw_deg": 0.3},
+    )
+    assert found.tolerance is not None
+    held = found.tolerance.result.tolerances
+    assert math.isclose(held.yaw_deg, 0.3)
+    assert held.pitch_deg == CLASSES["machined"].tolerances(found.rig).pitch_deg
