@@ -7,6 +7,7 @@ from .api.draw import rig_figure as rig_figure
 from .api.export import export_dataset as export_dataset
 from .api.export import export_rig as export_rig
 from .api.infer import infer as infer
+from .api.kit.asked import DepthError as DepthError
 from .api.measure import measure as measure
 from .api.render import render as render
 from .api.rigs import read_rig as read_rig

@@ -14,6 +14,7 @@ camera's frame; `rigsim.StereoRig` says what a rig is. With pytest the fixtures 
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypedDict, Unpack
@@ -25,7 +26,10 @@ if TYPE_CHECKING:
     from rigsim.rig.stereo import StereoRig
     from rigsim.study.verify.case import Case
 
-__all__ = ["RenderedStereo", "assert_triangulates", "render_stereo", "stereo_cases"]
+__all__ = ["RenderedStereo", "assert_matches_golden", "assert_triangulates", "render_stereo", "stereo_cases"]
+
+UPDATE_GOLDEN = "RIGSIM_UPDATE_GOLDEN"
+"""Environment variable: when it is set and not 0, `assert_matches_golden` writes instead of comparing."""
 
 
 class CaseChoice(TypedDict, total=False):
@@ -73,6 +77,42 @@ def assert_triangulates(
     (result,) = verify(chosen, {label: named(function)})
     if not result.passed(strict):
         raise AssertionError(failure_text(result, strict))
+
+
+def assert_matches_golden(
+    result: object,
+    path: str | os.PathLike[str],
+    *,
+    keys: str | Sequence[str] = (),
+    tolerance: float = 0.0,
+    update: bool | None = None,
+) -> None:
+    """Fail with what moved and by how much unless an answer is what it was when its golden file was written.
+
+    Args:
+        result: what `rigsim.sweep`, `rigsim.design` or `rigsim.tolerance` returned; the document of a
+            command, as ``json.loads`` reads what ``rigsim calc depth --json`` prints; or a table, pandas or a
+            list of mappings, with units in its columns' names, and standard errors, where it has any, in
+            ``NAME_se``.
+        path: the golden file, ``NAME.csv``, or a folder that holds one for each command.
+        keys: of a table, the columns that say what a row is about; rows are compared by place without any.
+        tolerance: what every number may differ by in any case, relative to its golden value.
+        update: whether the file is written anew instead; by default where the environment variable
+            ``RIGSIM_UPDATE_GOLDEN`` is set.
+
+    Raises:
+        AssertionError: a number moved beyond its noise, or is gone.
+        RigsimError: there is no golden file, it cannot be read, or it is another command's.
+    """
+    __tracebackhide__ = True
+    from rigsim.api.kit.golden import hold, record_from
+    from rigsim.present.kit.golden import golden_text
+
+    if update is None:
+        update = os.environ.get(UPDATE_GOLDEN, "0") not in ("", "0")
+    report = hold(record_from(result, keys), path, update, tolerance)
+    if not report.passed:
+        raise AssertionError(golden_text(report))
 
 
 def stereo_cases(

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from rigsim.api.kit.cameras import CameraOptions
+from rigsim.api.kit.cover import cover
+from rigsim.api.kit.golden import print_comparison
 from rigsim.api.kit.plain import takes
 from rigsim.api.kit.requirements import DesignOptions, specified
 from rigsim.api.kit.sensors import SensorOptions
@@ -24,7 +26,9 @@ from rigsim.theory.inverse import Camera
 
 if TYPE_CHECKING:
     from rigsim.interop.documents.base import Written
+    from rigsim.present.kit.page import Cover
     from rigsim.present.kit.types import Figure, Table
+    from rigsim.study.golden.compare import GoldenReport
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,6 +47,10 @@ class Designed(Result):
     """What the page names as the command that made it."""
     remarks: tuple[Remark, ...] = ()
     """What is odd about the scene or the rigs' place in it."""
+    cover: Cover | None = None
+    """Title, note and logo of one's own report; None for none."""
+    golden: GoldenReport | None = None
+    """How the numbers compare with golden results; None when it was not asked."""
 
     @property
     def rig(self) -> StereoRig:
@@ -90,7 +98,7 @@ class Designed(Result):
 
         document = self.document()
         comment = f"rigsim design: {document['recommended']['reason']}"
-        page = design_html(self.found, self.proofs, self.tolerance, self.command)
+        page = design_html(self.found, self.proofs, self.tolerance, self.command, self.cover)
         return {
             "rig.toml": write_rig(self.rig, comment, self.sensor).encode(),
             "design.json": (json_text(document) + "\n").encode(),
@@ -102,13 +110,14 @@ class Designed(Result):
         from rigsim.interop.documents.design.document import design_document
         from rigsim.present.design import words
 
-        return design_document(self.found, self.proofs, self.tolerance, words)
+        return design_document(self.found, self.proofs, self.tolerance, words, self.golden)
 
     def print(self, folder: Path | None = None) -> None:
         """Print the rig to take, what binds it, and what became of the proof."""
         from rigsim.present.design.console import print_design
 
         print_design(self.found, self.proofs, self.tolerance, folder)
+        print_comparison(self.golden)
 
 
 @takes(DesignOptions)
@@ -163,6 +172,9 @@ def design(options: DesignOptions) -> Designed:
         seed: Seed of every random number.
         renderer: auto, egl, osmesa or rays.
         command: What the page names as the command that made it.
+        title: Title of the report, in place of its own.
+        note: A paragraph of the report.
+        logo: Path of a picture at its head, PNG or SVG.
         ready: Is called once all that can be refused without drawing has been checked.
 
     Raises:
@@ -187,6 +199,7 @@ def design(options: DesignOptions) -> Designed:
 
 
 def _designed(options: DesignOptions) -> Designed:
+    head = cover(options.title, options.note, options.logo)
     specification, cameras = specified(options), _cameras(options)
     levels = given.reals(options.image_noise_grey, "image_noise_grey")
     optics = SensorOptions(None, options.blur_px, levels, options.full_well_e, options.read_noise_e)
@@ -208,7 +221,7 @@ def _designed(options: DesignOptions) -> Designed:
     held = design_tolerance(found.specification, pick, options.seed, found.candidates)
     told = has_own_noise(pick.camera.sensor, optics) or options.blur_px is not None
     sensor = fits[pick.camera.sensor, pick.camera.merged].sensor if told else None
-    return Designed(found, proofs, held, sensor, options.command, remarks)
+    return Designed(found, proofs, held, sensor, options.command, remarks, head)
 
 
 def _cameras(options: DesignOptions) -> list[Camera]:

@@ -6,8 +6,9 @@ import html
 import os
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self, cast
 
 from rigsim.errors import InvalidRange
 from rigsim.rig import given
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from rigsim.interop.documents.base import Written
     from rigsim.present.kit.types import Figure, Table
     from rigsim.rig.remark import Remark
+    from rigsim.study.golden.compare import GoldenReport
 
 _MOST_ROWS = 30
 
@@ -65,6 +67,13 @@ class Result(ABC):
     @abstractmethod
     def print(self, folder: Path | None = None) -> None:
         """Print what the command line prints for people; `folder` is where the files were written."""
+
+    def holding(self, golden: GoldenReport) -> Self:
+        """The same, with what came of a comparison with golden results, which `document` and `print` tell.
+
+        Only of results that have a `golden`.
+        """
+        return cast(Self, replace(cast(Any, self), golden=golden))
 
     def figure(self, name: str = "") -> Figure:
         """Draw a figure, as a matplotlib Figure.

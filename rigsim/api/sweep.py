@@ -8,6 +8,9 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
+from rigsim.api.kit.asked import at_distances
+from rigsim.api.kit.cover import cover
+from rigsim.api.kit.golden import print_comparison
 from rigsim.api.kit.plain import takes
 from rigsim.api.kit.sweep_plan import SweepOptions, plan_of, swept
 from rigsim.api.result import Result
@@ -18,13 +21,20 @@ from rigsim.study.sweep.result import SweepResult
 
 if TYPE_CHECKING:
     from rigsim.interop.documents.base import Written
+    from rigsim.present.kit.page import Cover
     from rigsim.present.kit.types import Figure, Table
     from rigsim.present.sweep.words import Verdict
+    from rigsim.study.golden.compare import GoldenReport
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sweep(SweepResult, Result):
     """A `SweepResult` with its table, figures, files and document."""
+
+    golden: GoldenReport | None = None
+    """How the numbers compare with golden results; None when it was not asked."""
+    cover: Cover | None = None
+    """Title, note and logo of one's own report; None for none."""
 
     @property
     def table(self) -> Table:
@@ -58,20 +68,21 @@ class Sweep(SweepResult, Result):
         from rigsim.interop.files.tables import sweep_files
         from rigsim.present.sweep.words import spelled
 
-        return {**present.sweep_files(self), **sweep_files(self, spelled)}
+        return {**present.sweep_files(self, self.cover), **sweep_files(self, spelled)}
 
     def document(self, written: Written | None = None) -> Mapping[str, Any]:
         """The whole sweep; docs/reference/json.md says what the keys mean."""
         from rigsim.interop.documents.sweep import sweep_document
         from rigsim.present.sweep import words
 
-        return sweep_document(self, words, written)
+        return sweep_document(self, words, written, self.golden)
 
     def print(self, folder: Path | None = None) -> None:
         """Print the verdict, the best rows and what is flagged."""
         from rigsim import present
 
         present.print_sweep(self, folder)
+        print_comparison(self.golden)
 
 
 @takes(SweepOptions)
@@ -115,6 +126,10 @@ def sweep(options: SweepOptions) -> Sweep:
         progress: Is called with the number of rigs done. When it or a worker is interrupted, the result
             holds what is done by then.
         command: What the files and the document name as the command that made them.
+        require: Depth errors that rows are to keep, each a `DepthError` with its distance.
+        title: Title of the report, in place of its own.
+        note: A paragraph of the report.
+        logo: Path of a picture at its head, PNG or SVG.
 
     Raises:
         InvalidRange: A value is out of bounds, or two say the same thing.
@@ -138,14 +153,24 @@ def sweep(options: SweepOptions) -> Sweep:
 
 
 def _run(options: SweepOptions) -> Sweep:
+    from rigsim.study.sweep.requirement import DepthRequirement, hold_rows
     from rigsim.study.sweep.run import sweep as run
 
+    require = at_distances(options.require)
+    head = cover(options.title, options.note, options.logo)
     rigs, plan, remarks = _asked(options)
     if options.command:
         plan = replace(plan, extra={**plan.extra, "command": options.command})
     result = run(cast(Any, rigs), plan, jobs=options.jobs, progress=options.progress)
     values = {field.name: getattr(result, field.name) for field in fields(result)}
-    return Sweep(**{**values, "remarks": (*remarks, *result.remarks)})
+    values |= {"remarks": (*remarks, *result.remarks), "cover": head}
+    if require:
+        asked = [
+            DepthRequirement((one.at_m or 0) * 1e3, one.error_m(one.at_m or 0) * 1e3, one.p95, one.pct)
+            for one in require
+        ]
+        values["requirements"] = hold_rows(result.rows, result.by_depth, asked)
+    return Sweep(**values)
 
 
 def _asked(options: SweepOptions) -> tuple[object, Plan, tuple[Remark, ...]]:

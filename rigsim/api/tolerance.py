@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rigsim.api.kit.asked import depth_errors
+from rigsim.api.kit.golden import print_comparison
 from rigsim.api.kit.plain import takes
 from rigsim.api.result import Result
 from rigsim.api.rigs import RigLike, read_rig
@@ -19,6 +20,7 @@ from rigsim.rig.stereo import StereoRig
 if TYPE_CHECKING:
     from rigsim.interop.documents.base import Written
     from rigsim.present.kit.types import Figure, Table
+    from rigsim.study.golden.compare import GoldenReport
     from rigsim.study.tolerance.run import ToleranceResult
     from rigsim.study.tolerance.sensitivities import BuildRequirement, Tolerances
 
@@ -72,6 +74,8 @@ class Toleranced(Result):
     """The study."""
     remarks: tuple[Remark, ...] = ()
     """Nothing is odd about a tolerance study so far."""
+    golden: GoldenReport | None = None
+    """How the numbers compare with golden results; None when it was not asked."""
 
     @property
     def table(self) -> Table:
@@ -122,13 +126,14 @@ class Toleranced(Result):
         from rigsim.interop.documents.tolerance import tolerance_document
         from rigsim.present.tolerance import words
 
-        return tolerance_document(self.result, words)
+        return tolerance_document(self.result, words, self.golden)
 
     def print(self, folder: Path | None = None) -> None:
         """Print the ranked tables, the built rigs at each depth, and how many are good."""
         from rigsim.present.tolerance.console import print_tolerance
 
         print_tolerance(self.result, folder)
+        print_comparison(self.golden)
 
 
 @takes(ToleranceOptions)

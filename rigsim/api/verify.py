@@ -8,6 +8,7 @@ from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rigsim.api.kit.golden import GOLDEN
 from rigsim.api.kit.plain import takes
 from rigsim.api.kit.triangulators import TIMEOUT_S, Method, named, opened
 from rigsim.api.result import Result
@@ -19,12 +20,9 @@ from rigsim.rig.remark import Remark
 if TYPE_CHECKING:
     from rigsim.interop.documents.base import Written
     from rigsim.present.kit.types import Figure, Table
-    from rigsim.study.verify.golden import GoldenReport
+    from rigsim.study.golden.compare import GoldenReport
     from rigsim.study.verify.result import CaseResult, VerifyResult
     from rigsim.study.verify.session import Gathered, Selection
-
-GOLDEN = Path("reports/golden")
-"""Where golden results are written unless something else is said."""
 
 Stage = Callable[[str, int, int], None]
 """Is told what is being done (``scenes``, ``cases``, ``golden scenes``), how much of it, and of how much."""
@@ -47,6 +45,7 @@ class VerifyOptions:
     in_process: bool = False
     golden: str | os.PathLike[str] | None = None
     update: bool = False
+    golden_tolerance: float = 0.0
     progress: Stage | None = None
     command: str = ""
     again: Sequence[str] = ()
@@ -131,8 +130,8 @@ class Verified(Result):
 
     def print(self, folder: Path | None = None) -> None:
         """Print a line a group where all is well, else what failed and how to run it again."""
+        from rigsim.present.kit.golden import print_golden
         from rigsim.present.verify.console import print_verify
-        from rigsim.present.verify.golden import print_golden
 
         print_verify(self.result, self.strict, self.again, folder)
         if self.golden is not None:
@@ -161,6 +160,7 @@ def verify(options: VerifyOptions) -> Verified:
             it crashes or hangs, so does this.
         golden: A folder of golden results that the numbers are held against; what moved fails.
         update: Whether golden results are written, to `golden` or reports/golden.
+        golden_tolerance: What every golden number may differ by in any case, relative.
         progress: Is called with what is being done, how much of it is done, and of how much.
         command: What the files and the document name as the command that made them.
         again: The words of a command that makes the same cases again, which are shown with what failed.
@@ -266,7 +266,7 @@ def _golden(
         return None
     from rigsim.interop.files.golden import read_golden, write_golden
     from rigsim.sim.scenes import library
-    from rigsim.study.verify.golden import GoldenComparison, GoldenReport, compare
+    from rigsim.study.golden.compare import GoldenComparison, GoldenReport, compare
     from rigsim.study.verify.session import golden_records
 
     partial = bool(selection.patterns) or selection.scenes is not None
@@ -278,7 +278,9 @@ def _golden(
     troubles: list[str] = []
     if folder.is_dir() or not options.update:
         golden, troubles = read_golden(folder, [record.name for record in records])
-        comparison = compare(golden, records, partial)
+        comparison = compare(
+            golden, records, partial, given.real(options.golden_tolerance, "golden_tolerance")
+        )
     written = write_golden(folder, records) if options.update else []
     return GoldenReport(str(folder), comparison, tuple(troubles), tuple(path.name for path in written))
 

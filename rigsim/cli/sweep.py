@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from rigsim import interrupts
+from rigsim.cli.design.asked import depth_error
 from rigsim.cli.kit import lists, quantity
 from rigsim.cli.kit.answer import claim, command, deliver, quiet
 from rigsim.cli.kit.axes import numbers_of, takes_axes
+from rigsim.cli.kit.cover import CoverWords
+from rigsim.cli.kit.golden import GoldenWords, held, leave_where_moved
 from rigsim.cli.kit.options import PixelPitch, PresetName, RigFile, SensorWidth, takes
 from rigsim.cli.kit.progress import shown
 from rigsim.cli.kit.rigs import RigOptions
@@ -21,6 +25,9 @@ from rigsim.cli.kit.sensors import Blur, FullWell, ReadNoise, SensorName, sensor
 from rigsim.cli.kit.triangulators import TIMEOUT, InProcess
 from rigsim.errors import InvalidRange, TriangulatorError
 from rigsim.study.scene.axes import registry
+
+if TYPE_CHECKING:
+    from rigsim.api.kit.asked import DepthError
 
 MANY_RIGS = 1000
 """More rigs than this are run only with --yes."""
@@ -50,6 +57,14 @@ class SweepWords:
     pixel_pitch: PixelPitch = None
     depth_range: Annotated[
         str | None, typer.Option("--range", help="Depths of the truth points: 0.5:5m.")
+    ] = None
+    require: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="ERROR@DISTANCE",
+            help="Depth error that rows are to keep, root mean square: 10mm@3m, 1%@2m; p95:20mm@3m for the"
+            " 95th percentile. Marks each row met, not_met or not_shown. May be given several times.",
+        ),
     ] = None
     points: Annotated[int, typer.Option(help="Truth points of each rig.")] = 2000
     trials: Annotated[int, typer.Option(help="Noisy repetitions of each point.")] = 100
@@ -95,7 +110,9 @@ class SweepWords:
 
 @takes_axes
 @takes(SweepWords)
-def sweep(typed: Mapping[str, str], words: SweepWords) -> None:
+@takes(CoverWords)
+@takes(GoldenWords)
+def sweep(typed: Mapping[str, str], words: SweepWords, cover: CoverWords, golden: GoldenWords) -> None:
     """Sweep rigs through a scene: predicted, simulated and measured depth error side by side, in a report.
 
     Axes multiply. Lengths are in mm unless mm, cm or m is written.
@@ -104,6 +121,7 @@ def sweep(typed: Mapping[str, str], words: SweepWords) -> None:
     methods = _methods(words.triangulator)
     timeout_s = quantity.value(words.timeout, TIMEOUT)
     range_m = _range(words.depth_range)
+    required = _required(words.require)
     options = _rigs(typed, words)
     axes, n_rigs = options.axes(words.scene), len(options.grid(words.scene))
     sensor = _sensor(words)
@@ -115,6 +133,7 @@ def sweep(typed: Mapping[str, str], words: SweepWords) -> None:
     if out is None and not words.as_json:
         out = Path("reports") / f"{Path(words.scene).stem}-{time.strftime('%Y%m%d-%H%M%S')}"
     claim(out, words.force)
+    golden.check("sweep")
 
     from rigsim.api.sweep import sweep as run
 
@@ -140,12 +159,17 @@ def sweep(typed: Mapping[str, str], words: SweepWords) -> None:
             jobs=words.jobs,
             progress=progress,
             command=command(),
+            require=required,
+            **cover.said(),
         )
+    if result.complete:
+        result = held(result, golden, "sweep")
     deliver(result, out, words.force, words.as_json)
     if not result.complete:
         raise typer.Exit(interrupts.INTERRUPTED)
     if result.broken:
         raise TriangulatorError(result.broken, "raised")
+    leave_where_moved(result.golden)
 
 
 def _rigs(typed: Mapping[str, str], words: SweepWords) -> RigOptions:
@@ -174,6 +198,15 @@ def _range(text: str | None) -> tuple[float, float] | None:
         return None
     near_mm, far_mm = quantity.span(text, quantity.DEPTH)
     return near_mm / 1e3, far_mm / 1e3
+
+
+def _required(words: list[str] | None) -> list[DepthError]:
+    found = []
+    for text in words or []:
+        if "@" not in text:
+            raise InvalidRange(f"require {text or 'empty'}: at which distance? Write it, as in 10mm@3m")
+        found.append(depth_error(text, math.nan))
+    return found
 
 
 def _methods(text: str) -> tuple[str, ...]:

@@ -12,6 +12,7 @@ import typer
 
 from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import claim, deliver
+from rigsim.cli.kit.golden import GoldenWords, held, leave_where_moved
 from rigsim.cli.kit.options import Json, takes, takes_rig
 from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
 from rigsim.cli.kit.tolerances import ToleranceWord, tolerance_values
@@ -86,7 +87,8 @@ class ToleranceWords:
 
 @takes_rig
 @takes(ToleranceWords)
-def tolerance(options: RigOptions, words: ToleranceWords) -> None:
+@takes(GoldenWords)
+def tolerance(options: RigOptions, words: ToleranceWords, golden: GoldenWords) -> None:
     """Rank a rig's tolerances by what they do to the depth, and count the built rigs that are good.
 
     A rig is good when its own depth error, of its build and its pixel noise, meets the requirement.
@@ -94,6 +96,7 @@ def tolerance(options: RigOptions, words: ToleranceWords) -> None:
     near_m, far_m = _range(words.depth_range)
     asked = _requirement(words.depth_error)
     claim(words.out, words.force)
+    golden.check("tolerance")
     rig = options.single(DEFAULT_PRESET)
     values, bounds = tolerance_values(words.tolerance or [])
 
@@ -118,7 +121,9 @@ def tolerance(options: RigOptions, words: ToleranceWords) -> None:
         points=words.points,
         seed=words.seed,
     )
+    result = held(result, golden, "tolerance", {"seed": str(words.seed)})
     deliver(result, words.out, words.force, words.as_json)
+    leave_where_moved(result.golden)
 
 
 def _range(text: str) -> tuple[float, float]:

@@ -10,6 +10,7 @@ import typer
 
 from rigsim.cli.kit import lists, quantity
 from rigsim.cli.kit.answer import claim, command, deliver, quiet
+from rigsim.cli.kit.golden import GOLDEN, GoldenTolerance, share
 from rigsim.cli.kit.options import Json, takes, takes_rig
 from rigsim.cli.kit.progress import stages
 from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
@@ -19,9 +20,6 @@ from rigsim.errors import InvalidRange, OutputError
 
 FAILED = 3
 """Exit code when a case failed."""
-
-GOLDEN = Path("reports/golden")
-"""Where golden results are written unless something else is said."""
 
 _NO_SCENE = "none"
 
@@ -82,6 +80,7 @@ class VerifyWords:
     update: Annotated[
         bool, typer.Option("--update", help=f"Write golden results, to {GOLDEN} or --golden.")
     ] = False
+    golden_tolerance: GoldenTolerance = None
     list_cases: Annotated[bool, typer.Option("--list", help="List the cases and run nothing.")] = False
 
 
@@ -111,6 +110,7 @@ def verify(options: RigOptions, words: VerifyWords) -> None:
         "in_process": words.in_process,
         "golden": words.golden,
         "update": words.update,
+        "golden_tolerance": share(words.golden_tolerance),
     }
 
     from rigsim.api import verify as api

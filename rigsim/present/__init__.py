@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from rigsim.present.kit.page import Cover
     from rigsim.rig.noise import PixelNoise
     from rigsim.rig.stereo import StereoRig
     from rigsim.study.scene.snapshot import Snapshot
@@ -20,12 +21,12 @@ if TYPE_CHECKING:
 __all__ = ["plot_points", "print_sweep", "print_table", "render_files", "sweep_files"]
 
 
-def sweep_files(result: SweepResult) -> dict[str, bytes]:
+def sweep_files(result: SweepResult, cover: Cover | None = None) -> dict[str, bytes]:
     """Name to content: report.html, topdown.png, depth_error.png, left.png, right.png; witnesses.png too
-    when something was measured."""
+    when something was measured. `cover` is the report's own head."""
     from rigsim.present.sweep import files
 
-    return files.sweep_files(result)
+    return files.sweep_files(result, cover)
 
 
 def render_files(snapshot: Snapshot) -> dict[str, bytes]:

@@ -28,10 +28,11 @@ def run_pytest(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def example() -> str:
-    """The ten lines of docs/howto/testing.md."""
-    (block,) = re.findall(r"```python\n(.*?)```", PAGE.read_text(), flags=re.S)
-    return block
+def example(place: int = 0) -> str:
+    """The ten lines of docs/howto/testing.md; the second block is on golden results."""
+    blocks = re.findall(r"```python\n(.*?)```", PAGE.read_text(), flags=re.S)
+    assert len(blocks) == 2
+    return str(blocks[place])
 
 
 def test_the_example_of_the_docs_passes_in_a_folder_of_its_own(tmp_path: Path) -> None:
@@ -49,6 +50,23 @@ def test_a_forgotten_doffs_fails_with_a_table_that_says_so(tmp_path: Path) -> No
     assert "doffs exact" in done.stdout
     assert "rectified exact" not in done.stdout
     assert re.search(r"Diagnosis: [\w-]*doffs", done.stdout), done.stdout
+
+
+def test_the_golden_results_of_the_docs_are_written_then_held_to(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "test_rig.py").write_text(example(1))
+    monkeypatch.setenv("RIGSIM_UPDATE_GOLDEN", "1")
+    assert "2 passed" in run_pytest(tmp_path, "-q").stdout
+    assert {file.name for file in (tmp_path / "golden").iterdir()} == {"oak-d.csv", "accuracy.csv"}
+    monkeypatch.delenv("RIGSIM_UPDATE_GOLDEN")
+    (tmp_path / "test_rig.py").write_text(
+        example(1).replace("2.0,", "2.5,").replace("[50, 100]", "[50, 101]")
+    )
+    done = run_pytest(tmp_path, "-q")
+    assert "2 failed" in done.stdout
+    assert "moved: rows error_mm: was 2.00 mm, now 2.50 mm" in done.stdout
+    assert re.search(r"golden results of golden/oak-d.csv: .*\d+ gone", done.stdout)
 
 
 def test_fixtures_marks_and_xdist(tmp_path: Path) -> None:

@@ -29,7 +29,7 @@ UNITS = re.compile(r"_(mm|m|px|deg|um|e|pct|fraction|share)$")
 WITHOUT_UNIT = {
     *("n", "n_matches", "n_tried", "n_truth", "n_points", "n_visible", "n_trials", "measured_n"),  # counts
     *("count", "measured_count", "points", "trials", "rigs", "cameras_tried", "bits"),
-    *("best", "board", "seed"),  # places and numbers that name something
+    *("best", "board", "recommended", "seed"),  # places and numbers that name something
     *("features", "pictures"),
     *("as_built_se", "as_built_rigs", "recalibrated_se", "recalibrated_rigs"),  # shares and counts
     *("recalibrated_informed", "yield", "yield_se"),  # shares
@@ -142,7 +142,7 @@ def _mistype(node: dict[str, Any]) -> None:
 
 
 def test_the_rows_are_those_of_the_tables() -> None:
-    assert tuple(OverallRow.model_fields) == (*ROW_COLUMNS, "limited_by", "diagnosis")
+    assert tuple(OverallRow.model_fields) == (*ROW_COLUMNS, "limited_by", "diagnosis", "requirement")
     assert set(DepthRow.model_fields) == set(DEPTH_COLUMNS)
 
 

@@ -83,7 +83,7 @@ def test_the_diamonds_are_the_measured_rows_and_the_dashes_pass_their_own_predic
     assert low < at(ratios)[:, 1].min() < at(ratios)[:, 1].max() < high
     assert arrows(strip) == []
     figure = figure_of(result, "axis-baseline-mm")
-    assert "measured in the pictures" in legend_texts(figure)
+    assert "measured in renderings" in legend_texts(figure)
     assert "predicted from the measured noise" in legend_texts(figure)
 
 

@@ -15,6 +15,7 @@ from rigsim.rig.pose import Pose
 from rigsim.sim.truth.points import image_weights, spread_over
 from rigsim.study.agreement.agreement import AGREES
 from rigsim.study.scene.columns import AXES, DEPTH_COLUMNS, ROW_COLUMNS
+from rigsim.study.sweep.choice import trend
 from rigsim.study.sweep.comparison import compare, row_of_bins
 from rigsim.study.sweep.growth import growth_of
 from rigsim.theory.reach import reach_m
@@ -87,6 +88,30 @@ def test_other_depths_within_a_bin_are_brought_together():
     found = compare(rows, bins)
     # to 1220 mm by the square of the depth
     np.testing.assert_allclose(found.simulated_mm, 10 * 1.22**2 / np.array([1, 1.44]) ** 2)
+
+
+@pytest.mark.parametrize(
+    ("short", "long"),
+    [
+        # of 100 points, how many lie on a surface at 2.02 m, the others on one at 2.48 m
+        (100, 0),  # averages over the bin rise from 41 to 52 mm
+        (49, 51),  # medians lie on different surfaces: brought together by them, it rises from 43 to 55 mm
+        (51, 49),
+    ],
+)
+def test_where_the_error_falls_at_every_distance_it_is_said_to_fall(short: int, long: int):
+    rows, bins = tables({b: [(2, 2.5, 1.0, 100, 0, 0.5)] for b in (100.0, 200.0)})
+    for place, (near, factor_mm) in enumerate(((short, 10.0), (long, 8.5))):  # at 1 m: 15 % less
+        depth_m = np.repeat([2.02, 2.48], [near, 100 - near])
+        error_mm = factor_mm * depth_m**2
+        rms_mm = float(np.sqrt((error_mm**2).mean()))
+        for name in ("depth_rmse_mm", "predicted_depth_rmse_mm", "depth_rmse_ci_high_mm"):
+            bins.loc[place, name] = rms_mm
+        bins.loc[place, "depth_rmse_pct"] = 100 * np.sqrt(((error_mm / depth_m / 1e3) ** 2).mean())
+        bins.loc[place, "depth_median_mm"] = 1e3 * np.median(depth_m)
+    found = trend(rows, bins, ("baseline_mm",), 1)
+    assert found is not None
+    assert found.last_mm / found.first_mm == pytest.approx(0.85, rel=0.01)
 
 
 def test_a_row_that_answers_little_does_not_decide_where():

@@ -16,8 +16,9 @@ from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.scenes import library
 from rigsim.sim.simulator import Simulator
+from rigsim.study.golden.compare import Number, Record, compare
 from rigsim.study.verify import session
-from rigsim.study.verify.golden import Number, Record, compare, scene_record, triangulator_record
+from rigsim.study.verify.golden import scene_record, triangulator_record
 from rigsim.study.verify.rendered import scene_rig
 from rigsim.study.verify.runner import verify
 from rigsim.study.verify.suite import synthetic_cases

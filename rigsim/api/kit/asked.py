@@ -13,7 +13,13 @@ from rigsim.rig import given
 
 @dataclass(frozen=True, slots=True)
 class DepthError:
-    """One depth error at a distance: a length, a share of the distance, or two depths about it."""
+    """One depth error at a distance: a length, a share of the distance, or two depths about it.
+
+    Example:
+        >>> import rigsim
+        >>> rigsim.DepthError(3.0, mm=10).said, rigsim.DepthError(2.0, pct=1).error_m(2.0)
+        ('10mm@3m', 0.02)
+    """
 
     at_m: float | None = None
     """The distance, m; None for the use case's own."""
@@ -43,6 +49,23 @@ class DepthError:
         if self.pct is not None:
             return self.pct / 100 * at_m
         return math.nan if self.mm is None else self.mm / 1e3
+
+
+def at_distances(errors: DepthError | Sequence[DepthError]) -> tuple[DepthError, ...]:
+    """One or several errors, each with its distance.
+
+    Raises:
+        InvalidRange: one has no distance or no size, or is over 100 % of the distance.
+    """
+    found = tuple(given.a(DepthError, one, "a DepthError") for one in given.several(errors))
+    for one in found:
+        if one.at_m is None:
+            raise InvalidRange(f"require {one.said}: at which distance? As in 10mm@3m")
+        if not (math.isfinite(one.at_m) and one.at_m > 0 and one.error_m(one.at_m) > 0):
+            raise InvalidRange(f"require {one.said}: error and distance must be > 0")
+        if one.pct is not None and one.pct > 100:
+            raise InvalidRange(f"require {one.pct:g}%: must be <= 100 % of the distance")
+    return found
 
 
 def depth_errors(

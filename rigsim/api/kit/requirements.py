@@ -68,6 +68,9 @@ class DesignOptions:
     seed: int = 0
     renderer: str = "auto"
     command: str = ""
+    title: str = ""
+    note: str = ""
+    logo: str | os.PathLike[str] | None = None
     ready: Callable[[], object] | None = None
 
 

@@ -8,6 +8,7 @@ from dataclasses import KW_ONLY, dataclass, fields
 from typing import Any, cast
 
 from rigsim.api.kit import rendering
+from rigsim.api.kit.asked import DepthError
 from rigsim.api.kit.sensors import TYPICAL_NOISE_GREY, SensorOptions, sensor_labels
 from rigsim.api.rigs import RigLike, Several, Sizes, Told, read_rig, rig_file, rig_for, told_of
 from rigsim.errors import InvalidRange
@@ -61,10 +62,14 @@ class SweepOptions:
     jobs: int = 1
     progress: Callable[[int], None] | None = None
     command: str = ""
+    require: DepthError | Sequence[DepthError] = ()
+    title: str = ""
+    note: str = ""
+    logo: str | os.PathLike[str] | None = None
 
     def said(self) -> tuple[str, ...]:
         """The arguments that were given, of those that a plan has as well or that make the rigs."""
-        other = ("rigs", "plan", "jobs", "progress", "command")
+        other = ("rigs", "plan", "jobs", "progress", "command", "require", "title", "note", "logo")
         return tuple(
             field.name
             for field in fields(self)

@@ -13,6 +13,7 @@ from rigsim.cli.calc.limits import limits
 from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import print_remarks
 from rigsim.cli.kit.facts import Fact, Form, print_facts, values
+from rigsim.cli.kit.golden import GoldenWords
 from rigsim.cli.kit.options import Csv, Json, Markdown, Noise, Principal, single_rig, takes, takes_rig
 from rigsim.cli.kit.rigs import RigOptions
 from rigsim.errors import InvalidRange, RigsimError
@@ -60,13 +61,15 @@ class PointWords:
 @app.command()
 @takes_rig
 @takes(PointWords)
-def point(options: RigOptions, words: PointWords) -> None:
+@takes(GoldenWords)
+def point(options: RigOptions, words: PointWords, golden: GoldenWords) -> None:
     """Triangulate one point seen in both images, with its uncertainty.
 
     Lengths are in mm, in the left camera's frame: X right, Y down, Z forward. Without --resolution pixels,
     and so X and Y, count from the optical axis.
     """
     form = Form(words.as_json, words.as_csv, words.as_markdown)
+    golden.check("calc point")
     rig = single_rig(options, words.principal, size_for="--plot" if words.plot else "")
     pixel_noise = _noise(words.noise)
     uv_left = quantity.point(words.left, "left position")
@@ -113,13 +116,15 @@ def point(options: RigOptions, words: PointWords) -> None:
         return point_document(values(facts), origin, remarks)
 
     print_remarks(remarks)
-    print_facts(facts, title="Point", form=form, document=document)
+    print_facts(facts, title="Point", form=form, document=document, golden=golden)
 
 
 @app.command()
 @takes_rig
+@takes(GoldenWords)
 def depth(
     options: RigOptions,
+    golden: GoldenWords,
     z: Annotated[
         str, typer.Option("--z", metavar="LENGTH", help="Distance Z along the left optical axis: 3m.")
     ],
@@ -131,6 +136,7 @@ def depth(
 ) -> None:
     """Predict the depth error at a distance, on the left camera's optical axis."""
     form = Form(as_json, as_csv, as_markdown)
+    golden.check("calc depth")
     rig = single_rig(options, None)
     pixel_noise = _noise(noise)
     depth_mm = _one_distance(z)
@@ -171,7 +177,7 @@ def depth(
         return depth_document(values(facts), remarks)
 
     print_remarks(remarks)
-    print_facts(facts, title="Depth", form=form, document=document)
+    print_facts(facts, title="Depth", form=form, document=document, golden=golden)
 
 
 app.command()(limits)

@@ -12,6 +12,7 @@ import typer
 from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import print_remarks
 from rigsim.cli.kit.facts import Fact, Form, print_facts, values
+from rigsim.cli.kit.golden import GoldenWords
 from rigsim.cli.kit.options import Csv, Json, Markdown, Principal, single_rig, takes, takes_rig
 from rigsim.cli.kit.rigs import RigOptions
 from rigsim.errors import InvalidRange
@@ -60,12 +61,14 @@ class LimitsWords:
 
 @takes_rig
 @takes(LimitsWords)
-def limits(options: RigOptions, words: LimitsWords) -> None:
+@takes(GoldenWords)
+def limits(options: RigOptions, words: LimitsWords, golden: GoldenWords) -> None:
     """Say what a rig can see: depth range, overlap, blind zone, depth step.
 
     Every Z counts along the left camera's optical axis.
     """
     form = Form(words.as_json, words.as_csv, words.as_markdown)
+    golden.check("calc limits")
     rig = single_rig(options, words.principal, size_for="calc limits")
     depths_mm = quantity.distances(words.z)
     shift, reach = words.shift, words.reach
@@ -75,10 +78,17 @@ def limits(options: RigOptions, words: LimitsWords) -> None:
     shift_px = quantity.value(shift, quantity.DISPARITY) if shift is not None else 0.0
     reached = _reach(rig, search, reach) if reach is not None else _Reached(shift_px, "added to both", ())
 
-    _tell(rig, depths_mm, search, reached, form)
+    _tell(rig, depths_mm, search, reached, form, golden)
 
 
-def _tell(rig: StereoRig, depths_mm: Sequence[float], search: _Search, reached: _Reached, form: Form) -> None:
+def _tell(
+    rig: StereoRig,
+    depths_mm: Sequence[float],
+    search: _Search,
+    reached: _Reached,
+    form: Form,
+    golden: GoldenWords,
+) -> None:
     from rigsim.study.calc.limits import limit_remarks
     from rigsim.study.calc.sight import rig_remarks
 
@@ -102,6 +112,7 @@ def _tell(rig: StereoRig, depths_mm: Sequence[float], search: _Search, reached: 
         form=form,
         document=document,
         rows=[[*ahead, *facts] for facts in at],
+        golden=golden,
     )
 
 

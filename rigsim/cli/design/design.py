@@ -12,6 +12,8 @@ import typer
 from rigsim.cli.design import asked as read
 from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import claim, command, deliver
+from rigsim.cli.kit.cover import CoverWords
+from rigsim.cli.kit.golden import GoldenWords, held, leave_where_moved
 from rigsim.cli.kit.options import DisparityNoise, takes
 from rigsim.cli.kit.sensors import Blur, FullWell, ImageNoise, ReadNoise, sensor_words
 from rigsim.cli.kit.tolerances import ToleranceWord, tolerance_values
@@ -159,7 +161,9 @@ class DesignWords:
 
 
 @takes(DesignWords)
-def design(words: DesignWords) -> None:
+@takes(CoverWords)
+@takes(GoldenWords)
+def design(words: DesignWords, cover: CoverWords, golden: GoldenWords) -> None:
     """Find the rigs that meet requirements, recommend one, and verify it by simulation.
 
     Says which requirement binds at each end of the baselines allowed; when nothing is feasible, which one to
@@ -188,6 +192,8 @@ def design(words: DesignWords) -> None:
     if out is None and not words.as_json:
         out = Path("reports") / f"design-{time.strftime('%Y%m%d-%H%M%S')}"
 
+    golden.check("design")
+
     from rigsim.api.design import design as run
 
     result = run(
@@ -205,9 +211,12 @@ def design(words: DesignWords) -> None:
         seed=words.seed,
         renderer=words.renderer,
         command=command(),
+        **cover.said(),
         ready=lambda: claim(out, words.force),
     )
+    result = held(result, golden, "design", {"scene": words.scene, "seed": str(words.seed)})
     deliver(result, out, words.force, words.as_json)
+    leave_where_moved(result.golden)
     if result.verdict == "not verified":
         raise typer.Exit(UNVERIFIED)
 

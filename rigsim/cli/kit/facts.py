@@ -12,6 +12,7 @@ from typing import Any
 import typer
 
 from rigsim.cli.kit.answer import print_document
+from rigsim.cli.kit.golden import GoldenWords, golden_document, leave_where_moved, print_report
 from rigsim.errors import InvalidRange
 
 
@@ -58,6 +59,7 @@ def print_facts(
     form: Form,
     document: Callable[[], Mapping[str, Any]],
     rows: Sequence[Sequence[Fact]] | None = None,
+    golden: GoldenWords | None = None,
 ) -> None:
     """Print `facts` on standard output.
 
@@ -70,11 +72,24 @@ def print_facts(
         form: for whom.
         document: makes what JSON holds.
         rows: facts of CSV, a sequence a line; one line of `facts` by default.
+        golden: golden results to compare with, as typed; the title says of which command.
+
+    Raises:
+        typer.Exit: a golden number moved.
     """
+    report = None if golden is None else golden.report(f"calc {title.lower()}", document)
     if form.json:
-        print_document(document())
-    elif form.csv:
-        typer.echo(_csv(rows or [facts]), nl=False)
+        print_document({**document(), "golden": golden_document(report)})
+    else:
+        _print(facts, title, form, rows or [facts])
+        if report is not None:
+            print_report(report, stderr=form.csv or form.markdown)
+    leave_where_moved(report)
+
+
+def _print(facts: Sequence[Fact], title: str, form: Form, rows: Sequence[Sequence[Fact]]) -> None:
+    if form.csv:
+        typer.echo(_csv(rows), nl=False)
     elif form.markdown:
         typer.echo("| quantity | value | unit | meaning |\n|---|---:|---|---|")
         for fact in facts:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from rigsim.interop.documents.text import clean
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.golden.compare import VERDICTS, GoldenReport, Value
 
 
 class Part(BaseModel):
@@ -25,6 +27,58 @@ class RemarkPart(Part):
     """Short name, snake_case."""
     text: str
     """One sentence: the value, why it is odd, and the way out."""
+
+
+class GoldenCounts(Part):
+    """How many golden numbers ended how."""
+
+    same: int
+    """Equal."""
+    within_tolerance: int
+    """Off by no more than another computer's rounding or driver allows."""
+    within_noise: int
+    """Off by no more than the noise allows."""
+    moved: int
+    """Off by more."""
+    new: int
+    """Not among the golden ones."""
+    gone: int
+    """Golden, but not made any more."""
+
+
+class Moved(Part):
+    """A number that is not what it was."""
+
+    record: str
+    """Name of its golden file, without the ending."""
+    number: str
+    """Its name there."""
+    unit: str
+    """Unit of the next three; empty for ratios and words."""
+    before: float | str | None
+    """The golden number or word; null when it is new, or was no number."""
+    now: float | str | None
+    """The same now; null when it is gone, or is no number."""
+    bound: float | None
+    """What a number may differ by."""
+    verdict: Literal["within tolerance", "within noise", "moved", "new", "gone"]
+    """Whether that matters."""
+
+
+class Golden(Part):
+    """How the run compares with golden results."""
+
+    folder: str
+    """Their folder or file."""
+    passed: bool
+    """Whether nothing moved or is gone, or they were written anew."""
+    counts: GoldenCounts
+    moves: list[Moved]
+    """The numbers that are not the same."""
+    remarks: list[str]
+    """Differences in what made the two, a sentence each."""
+    troubles: list[str]
+    """Files that could not be read, a line each."""
 
 
 class Rig(Part):
@@ -110,3 +164,34 @@ def seen_rig(rig: StereoRig) -> SeenRig:
         height_px=rig.left.height,
         hfov_deg=clean(rig.left.hfov_deg),
     )
+
+
+def golden_part(golden: GoldenReport | None) -> Golden | None:
+    """The comparison; None when none was asked for."""
+    if golden is None:
+        return None
+    comparison = golden.comparison
+    return Golden(
+        folder=golden.folder,
+        passed=golden.passed,
+        counts=GoldenCounts(**{name.replace(" ", "_"): comparison.count(name) for name in VERDICTS}),
+        moves=[
+            Moved(
+                record=move.record,
+                number=move.number,
+                unit=move.unit,
+                before=_value(move.before),
+                now=_value(move.now),
+                bound=finite(move.bound),
+                verdict=move.verdict,
+            )
+            for move in comparison.moves
+            if move.verdict != "same"
+        ],
+        remarks=list(comparison.remarks),
+        troubles=list(golden.troubles),
+    )
+
+
+def _value(value: Value) -> float | str | None:
+    return value if isinstance(value, str) else finite(value)

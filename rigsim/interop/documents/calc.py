@@ -7,7 +7,7 @@ from typing import Any, Literal, TypeAlias
 
 from pydantic import SkipValidation
 
-from rigsim.interop.documents.base import Part, RemarkPart
+from rigsim.interop.documents.base import Golden, Part, RemarkPart
 from rigsim.rig.remark import Remark
 
 Values: TypeAlias = Mapping[str, Any]
@@ -39,6 +39,8 @@ class CalcDepthDocument(Part):
     """Mean error of many noisy measurements, mm; null unless both cameras see the point."""
     remarks: list[RemarkPart]
     """What is odd: who does not see the point and why, too much noise, an unlikely lens."""
+    golden: Golden | None
+    """Null without --golden and --update."""
     unit: Literal["mm"]
     """Unit of the keys that name none."""
 
@@ -73,6 +75,8 @@ class CalcPointDocument(Part):
     """Where pixels count from: the optical axis where neither image size nor principal point is known."""
     remarks: list[RemarkPart]
     """What is odd: pixels outside the image, rays that miss each other, too much noise, an unlikely lens."""
+    golden: Golden | None
+    """Null without --golden and --update."""
     unit: Literal["mm"]
     """Unit of the keys that name none."""
 
@@ -144,6 +148,8 @@ class CalcLimitsDocument(Part):
     """What both cameras see at each --z, in the order given."""
     remarks: list[RemarkPart]
     """What is odd: distances at which nothing is shared, no shift that reaches, an unlikely lens."""
+    golden: Golden | None
+    """Null without --golden and --update."""
     unit: Literal["mm"]
     """Unit of the keys that name none."""
 
@@ -156,13 +162,13 @@ def point_document(values: Values, uv_origin: str, remarks: Iterable[Remark]) ->
         uv_origin: where pixels count from.
         remarks: what is odd.
     """
-    rest: Values = {"uv_origin": uv_origin, "remarks": _told(remarks), "unit": "mm"}
+    rest: Values = {"uv_origin": uv_origin, "remarks": _told(remarks), "golden": None, "unit": "mm"}
     return CalcPointDocument(**values, **rest).model_dump()
 
 
 def depth_document(values: Values, remarks: Iterable[Remark]) -> dict[str, Any]:
     """What ``rigsim calc depth --json`` prints."""
-    return CalcDepthDocument(**values, remarks=_told(remarks), unit="mm").model_dump()
+    return CalcDepthDocument(**values, remarks=_told(remarks), golden=None, unit="mm").model_dump()
 
 
 def limits_document(values: Values, at: Sequence[Values], remarks: Iterable[Remark]) -> dict[str, Any]:
@@ -176,7 +182,12 @@ def limits_document(values: Values, at: Sequence[Values], remarks: Iterable[Rema
     """
     flat = at[0] if len(at) == 1 else dict.fromkeys(at[0])
     return CalcLimitsDocument(
-        **values, **flat, at=[LimitsAt(**one, unit="mm") for one in at], remarks=_told(remarks), unit="mm"
+        **values,
+        **flat,
+        at=[LimitsAt(**one, unit="mm") for one in at],
+        remarks=_told(remarks),
+        golden=None,
+        unit="mm",
     ).model_dump()
 
 

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import pandas as pd
 
-from rigsim.interop.documents.base import Part, Provenance, RemarkPart, Written
+from rigsim.interop.documents.base import Golden, Part, Provenance, RemarkPart, Written, finite, golden_part
 from rigsim.interop.documents.rows import row_model
 from rigsim.study.agreement.fault import Fault
+from rigsim.study.golden.compare import GoldenReport
 from rigsim.study.scene import columns
 from rigsim.study.sweep.comparison import compare
+from rigsim.study.sweep.requirement import RowsHeld, take, verdicts
 from rigsim.study.sweep.result import SweepResult
 
 
@@ -68,6 +70,41 @@ class Diagnosis(Part):
     """Mistakes that have the same effect here."""
 
 
+Held = Literal["met", "not_met", "not_shown"]
+"""Whether a row keeps what was asked: `not_shown` where the scene has too few points near the distance, or
+where the limit lies within the interval of what was simulated."""
+
+
+class HeldRow(Part):
+    """One row held to one requirement."""
+
+    verdict: Held
+    """Whether it keeps it."""
+    depth_error_mm: float | None
+    """Simulated depth error at the distance, mm; null where the scene has too few points near it."""
+    ci_low_mm: float | None
+    """Lower end of its 95 % interval, mm."""
+    ci_high_mm: float | None
+    """Upper end, mm."""
+    near_mm: float | None
+    """Near edge of the bin of depth that shows it, mm."""
+    far_mm: float | None
+    """Far edge, mm."""
+
+
+class RequirementPart(Part):
+    """A depth error that rows are to keep, and whether they do."""
+
+    statistic: Literal["rms", "p95"]
+    """Root mean square, or what 95 of 100 errors stay under."""
+    at_mm: float
+    """Its distance, mm."""
+    required_mm: float
+    """The error, mm."""
+    rows: list[HeldRow]
+    """One for each of `rows`."""
+
+
 class OverallRow(Row):
     """One configuration over all depths."""
 
@@ -75,6 +112,8 @@ class OverallRow(Row):
     """What limits it, in a word or two."""
     diagnosis: Diagnosis | None
     """What is off; null where the simulation is not flagged."""
+    requirement: Held | None
+    """Whether it keeps everything that --require asks for; null where nothing is asked."""
 
 
 class Verdict(Part):
@@ -120,6 +159,10 @@ class SweepDocument(Part):
     """Columns of the rows that were varied."""
     best: list[int]
     """Places in rows of the configurations to take, best first."""
+    recommended: int | None
+    """Place of the row to take: the best that meets what --require asks for; null for none, or unasked."""
+    requirements: list[RequirementPart]
+    """What --require asks for; empty where nothing is asked."""
     compared: Compared | None
     """What the order goes by; null when the rows have no distances in common."""
     far_limit_mm: float | None
@@ -135,6 +178,8 @@ class SweepDocument(Part):
     provenance: SweepProvenance
     written: Written | None
     """The report; null without --out."""
+    golden: Golden | None
+    """Null without --golden and --update."""
 
 
 class Told(Protocol):
@@ -165,11 +210,14 @@ class Words(Protocol):
         """A table with its agreements as words."""
 
 
-def sweep_document(result: SweepResult, words: Words, written: Written | None) -> dict[str, Any]:
+def sweep_document(
+    result: SweepResult, words: Words, written: Written | None, golden: GoldenReport | None = None
+) -> dict[str, Any]:
     """The whole sweep; `written` is its report, None when none was asked for."""
     provenance, told = dict(result.provenance), words.verdict(result)
     command = str(provenance.pop("command", ""))
     faults = result.faults or (None,) * len(result.rows)
+    kept_by = verdicts(result.requirements) or (None,) * len(result.rows)
     rows, by_depth = (words.spelled(table).to_dict("records") for table in (result.rows, result.by_depth))
     return SweepDocument(
         command=command,
@@ -181,18 +229,42 @@ def sweep_document(result: SweepResult, words: Words, written: Written | None) -
         complete=result.complete,
         swept=list(result.swept),
         best=list(result.best),
+        recommended=take(result.rows, result.best, result.requirements) if result.requirements else None,
+        requirements=[_requirement(held) for held in result.requirements],
         compared=_compared(result),
         far_limit_mm=result.far_limit_m * 1e3 if math.isfinite(result.far_limit_m) else None,
         lens_note=_said(words.lens(result)) or None,
         rows=[
-            OverallRow.model_validate({**row, "limited_by": limit, "diagnosis": _diagnosis(fault, words)})
-            for row, limit, fault in zip(rows, result.limits, faults, strict=True)
+            OverallRow.model_validate(
+                {**row, "requirement": kept, "limited_by": limit, "diagnosis": _diagnosis(fault, words)}
+            )
+            for row, kept, limit, fault in zip(rows, kept_by, result.limits, faults, strict=True)
         ],
         by_depth=[DepthRow.model_validate(row) for row in by_depth],
         remarks=[RemarkPart(code=one.code, text=one.text) for one in result.remarks],
         provenance=SweepProvenance.model_validate(provenance),
         written=written,
+        golden=golden_part(golden),
     ).model_dump()
+
+
+def _requirement(held: RowsHeld) -> RequirementPart:
+    return RequirementPart(
+        statistic="p95" if held.asked.p95 else "rms",
+        at_mm=held.asked.at_mm,
+        required_mm=held.asked.error_mm,
+        rows=[
+            HeldRow(
+                verdict=row.verdict,
+                depth_error_mm=finite(row.error_mm),
+                ci_low_mm=finite(row.low_mm),
+                ci_high_mm=finite(row.high_mm),
+                near_mm=finite(row.near_mm),
+                far_mm=finite(row.far_mm),
+            )
+            for row in held.rows
+        ],
+    )
 
 
 def _compared(result: SweepResult) -> Compared | None:

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from pydantic import Field
 
-from rigsim.interop.documents.base import Part, Rig, finite, plain_rig
+from rigsim.interop.documents.base import Golden, Part, Rig, finite, golden_part, plain_rig
 from rigsim.interop.documents.rows import row_model
+from rigsim.study.golden.compare import GoldenReport
 from rigsim.study.tolerance.built import percentile_mm
 from rigsim.study.tolerance.columns import HEAD, REST
 from rigsim.study.tolerance.run import DepthErrors, Rigs, ToleranceResult
@@ -162,9 +163,13 @@ class ToleranceDocument(Part):
     """Null without recalibration."""
     depths: list[Depth]
     """Near to far."""
+    golden: Golden | None
+    """Null without --golden and --update."""
 
 
-def tolerance_document(result: ToleranceResult, words: Words) -> dict[str, Any]:
+def tolerance_document(
+    result: ToleranceResult, words: Words, golden: GoldenReport | None = None
+) -> dict[str, Any]:
     """The study with stable keys and units in their names; null where a number has no bound."""
     both = result.interactions
     return ToleranceDocument(
@@ -190,6 +195,7 @@ def tolerance_document(result: ToleranceResult, words: Words) -> dict[str, Any]:
         ),
         recalibration=_recalibration(result, words),
         depths=[_depth(item) for item in result.depths],
+        golden=golden_part(golden),
     ).model_dump(by_alias=True)
 
 

@@ -6,10 +6,10 @@ from typing import Any, Literal, Protocol, cast
 
 from pydantic import Field
 
-from rigsim.interop.documents.base import Part, Versions, finite
+from rigsim.interop.documents.base import Golden, Part, Versions, finite, golden_part
 from rigsim.rig.arrays import Array
+from rigsim.study.golden.compare import GoldenReport
 from rigsim.study.verify.case import Case, CaseKind
-from rigsim.study.verify.golden import VERDICTS, GoldenReport
 from rigsim.study.verify.result import (
     CaseResult,
     Check,
@@ -157,58 +157,6 @@ class TriangulatorDone(Part):
     """In the order in which they were run."""
 
 
-class GoldenCounts(Part):
-    """How many golden numbers ended how."""
-
-    same: int
-    """Equal."""
-    within_tolerance: int
-    """Off by no more than another computer's rounding or driver allows."""
-    within_noise: int
-    """Off by no more than the noise allows."""
-    moved: int
-    """Off by more."""
-    new: int
-    """Not among the golden ones."""
-    gone: int
-    """Golden, but not made any more."""
-
-
-class Moved(Part):
-    """A number that is not what it was."""
-
-    record: str
-    """Name of its golden file, without the ending."""
-    number: str
-    """Its name there."""
-    unit: str
-    """Unit of the next three; empty for ratios."""
-    before: float | None
-    """The golden value; null when it is new."""
-    now: float | None
-    """The value now; null when it is gone."""
-    bound: float | None
-    """What it may differ by."""
-    verdict: Literal["within tolerance", "within noise", "moved", "new", "gone"]
-    """Whether that matters."""
-
-
-class Golden(Part):
-    """How the run compares with golden results."""
-
-    folder: str
-    """Where they are."""
-    passed: bool
-    """Whether nothing moved or is gone, or they were written anew."""
-    counts: GoldenCounts
-    moves: list[Moved]
-    """The numbers that are not the same."""
-    remarks: list[str]
-    """Differences in what made the two, a sentence each."""
-    troubles: list[str]
-    """Files that could not be read, a line each."""
-
-
 class VerifyDocument(Part):
     """Triangulators tested on cases with known answers."""
 
@@ -263,33 +211,9 @@ def verify_document(
         false_alarm=FALSE_ALARM,
         triangulators=[_triangulator(one, words, strict) for one in result.triangulators],
         left_out=list(result.left_out),
-        golden=None if golden is None else _golden(golden),
+        golden=golden_part(golden),
         provenance=MadeBy.model_validate(dict(result.provenance)),
     ).model_dump()
-
-
-def _golden(golden: GoldenReport) -> Golden:
-    comparison = golden.comparison
-    return Golden(
-        folder=golden.folder,
-        passed=golden.passed,
-        counts=GoldenCounts(**{name.replace(" ", "_"): comparison.count(name) for name in VERDICTS}),
-        moves=[
-            Moved(
-                record=move.record,
-                number=move.number,
-                unit=move.unit,
-                before=finite(move.before),
-                now=finite(move.now),
-                bound=finite(move.bound),
-                verdict=move.verdict,
-            )
-            for move in comparison.moves
-            if move.verdict != "same"
-        ],
-        remarks=list(comparison.remarks),
-        troubles=list(golden.troubles),
-    )
 
 
 def _triangulator(result: TriangulatorResult, words: Words, strict: bool) -> TriangulatorDone:

@@ -11,10 +11,13 @@ from pathlib import Path
 from rigsim import foreign
 from rigsim.errors import OutputError
 from rigsim.interop.files.folder import write_file
-from rigsim.study.verify.golden import Number, Record
+from rigsim.study.golden.compare import COMMAND, TABLE, Number, Record
 
 _COLUMNS = ["name", "value", "unit", "allowed", "standard_error"]
 _AGAIN = "write it again with --update"
+_BYTES = 64_000_000
+_WORD = "word"
+"""Unit of what is no number."""
 
 
 def write_golden(folder: Path, records: Iterable[Record]) -> list[Path]:
@@ -54,12 +57,87 @@ def read_golden(folder: Path, names: Iterable[str]) -> tuple[list[Record], list[
     return records, troubles
 
 
+def golden_file(path: Path, command: str) -> Path:
+    """The golden file of a command: `path` itself where it names a CSV file, else one in that folder."""
+    is_file = path.suffix == ".csv" and not path.is_dir()
+    return path if is_file else path / f"{command.replace(' ', '-')}.csv"
+
+
+def check_golden(path: Path, command: str, update: bool) -> None:
+    """Fail before the work rather than after it where golden results cannot be read, or not be written.
+
+    Raises:
+        OutputError: there is none to compare with, it is another command's, or something else lies there.
+    """
+    if not update:
+        read_one(path, command)
+        return
+    file = golden_file(path, command)
+    if not file.exists():
+        return
+    if not file.is_file():
+        raise OutputError(f"golden file {file}: is no file; choose another one")
+    with file.open("rb") as stream:
+        head = stream.read(1)
+    if head not in (b"#", b""):
+        raise OutputError(f"golden file {file}: is there, and no golden file; choose another one")
+    try:
+        old = _read(file)
+    except OutputError:
+        return  # what was edited or cut off is written anew
+    _same_command(file, old, command)
+
+
+def read_one(path: Path, command: str) -> Record:
+    """The golden numbers of a command, from a file or from its file in a folder.
+
+    Raises:
+        OutputError: there is none, it cannot be read, or it is another command's.
+    """
+    file = golden_file(path, command)
+    if not file.exists():
+        raise OutputError(f"golden file {file}: does not exist; make it with --update")
+    record = _read(file)
+    _same_command(file, record, command)
+    return record
+
+
+def write_one(path: Path, record: Record) -> Path:
+    """Write the golden numbers of a command; a folder is made where it is missing.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    file = golden_file(path, record.about[COMMAND])
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"golden folder {file.parent}: {error.strerror}; choose another folder") from None
+    write_file(file, _text(record).encode())
+    return file
+
+
+def _same_command(file: Path, record: Record, command: str) -> None:
+    other = record.about.get(COMMAND, "verify")
+    if other != command:
+        raise OutputError(
+            f"golden file {file}: is of {_called(other)}, not of {_called(command)}; give another file"
+        )
+
+
+def _called(command: str) -> str:
+    return "a table" if command == TABLE else f"rigsim {command}"
+
+
 def _text(record: Record) -> str:
     body = io.StringIO()
     body.writelines(f"# {key}: {value}\n" for key, value in record.about.items())
     writer = csv.writer(body, lineterminator="\n")
     writer.writerow(_COLUMNS)
     for number in record.numbers:
+        if isinstance(number.value, str):
+            writer.writerow([number.name, number.value, _WORD, "", ""])
+            continue
         few = [f"{value:.10g}" if value else "" for value in (number.allowed, number.standard_error)]
         writer.writerow([number.name, f"{number.value:.10g}", number.unit, *few])
     return body.getvalue() + f"# sha256 {_checksum(body.getvalue())}\n"
@@ -67,7 +145,7 @@ def _text(record: Record) -> str:
 
 def _read(path: Path) -> Record:
     try:
-        text = foreign.read_text(path, "a golden file")
+        text = foreign.read_text(path, "a golden file", _BYTES)
     except (OutputError, UnicodeDecodeError) as error:
         raise OutputError(f"golden file {error}; {_AGAIN}") from None
     body, mark, checksum = text.rpartition("# sha256 ")
@@ -84,8 +162,8 @@ def _read(path: Path) -> Record:
         numbers = tuple(
             Number(
                 row["name"],
-                float(row["value"]),
-                row["unit"],
+                row["value"] if row["unit"] == _WORD else float(row["value"]),
+                "" if row["unit"] == _WORD else row["unit"],
                 float(row["allowed"] or 0),
                 float(row["standard_error"] or 0),
             )

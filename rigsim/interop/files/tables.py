@@ -12,6 +12,7 @@ import pandas as pd
 from rigsim.interop.documents.text import json_text
 from rigsim.interop.formats.rig_toml import write_rig
 from rigsim.study.scene.snapshot import Snapshot
+from rigsim.study.sweep.requirement import verdicts
 from rigsim.study.sweep.result import SweepResult
 
 _DIGITS = "%.10g"
@@ -48,13 +49,20 @@ def npy_bytes(values: npt.NDArray[np.generic]) -> bytes:
 def sweep_files(result: SweepResult, spelled: Callable[[pd.DataFrame], pd.DataFrame]) -> dict[str, bytes]:
     """The files of a sweep that programs read; `spelled` writes the agreements of a table as words."""
     return {
-        "sweep.csv": csv_bytes(spelled(result.rows)),
+        "sweep.csv": csv_bytes(_with_requirement(spelled(result.rows), result)),
         "sweep_by_depth.csv": csv_bytes(spelled(result.by_depth)),
         "rig.toml": write_rig(
             result.showcase.rig, comment="best rig of the sweep", sensor=result.showcase.sensor
         ).encode(),
         "provenance.json": json_bytes(result.provenance),
     }
+
+
+def _with_requirement(table: pd.DataFrame, result: SweepResult) -> pd.DataFrame:
+    """The rows with what they make of what was asked, where something was."""
+    if not result.requirements:
+        return table
+    return table.assign(requirement=list(verdicts(result.requirements)))
 
 
 def render_files(snapshot: Snapshot) -> dict[str, bytes]:

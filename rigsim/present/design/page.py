@@ -21,7 +21,7 @@ from rigsim.present.design.tolerance import tolerance_says
 from rigsim.present.design.words import noise as noise_from
 from rigsim.present.kit import style
 from rigsim.present.kit.format import count, with_error
-from rigsim.present.kit.page import data_uri, fill
+from rigsim.present.kit.page import Cover, data_uri, fill
 from rigsim.present.tolerance.console import quantity_heads, quantity_rows, tolerance_figure
 from rigsim.rig.catalogue.sensors import sensor_preset
 from rigsim.study.design import words as words
@@ -39,7 +39,11 @@ _PITCHES_UM = (2.2, 3.45, 4.8)  # common ones, to give an idea of the lens
 
 
 def design_html(
-    design: Design, proofs: Sequence[Proof], tolerance: DesignTolerance | None, command: str
+    design: Design,
+    proofs: Sequence[Proof],
+    tolerance: DesignTolerance | None,
+    command: str,
+    cover: Cover | None = None,
 ) -> str:
     """The report of a design as one page, without scripts, links or network."""
     pick = recommended(design, proofs)
@@ -47,6 +51,8 @@ def design_html(
     show = proof.show if proof is not None else None
     return fill(
         "design.html",
+        title="Design of a stereo rig",
+        cover=cover or Cover(),
         verified=any(p.verified for p in proofs),
         proved=bool(proofs),
         headline=headline(design, proofs),

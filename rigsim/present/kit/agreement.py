@@ -53,7 +53,8 @@ def _number(value: float | None) -> float:
 
 
 def _percent(share: float | None) -> str:
-    return f"{_number(share) * 100:.2g} %"
+    percent = min(_number(share) * 100, 100.0)
+    return f"{percent:.0f} %" if percent >= 9.5 else f"{percent:.2g} %"
 
 
 def _spread(agreement: Agreement) -> str:
@@ -62,7 +63,7 @@ def _spread(agreement: Agreement) -> str:
     if not ratio < 2:  # one that is no number too
         return f"{what} {ratio:.3g} times the prediction"
     side = "above" if ratio > 1 else "below"
-    return f"{what} {abs(ratio - 1) * 100:.2g} % {side} the prediction"
+    return f"{what} {_percent(abs(ratio - 1))} {side} the prediction"
 
 
 def _mean(agreement: Agreement) -> str:

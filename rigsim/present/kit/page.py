@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -15,6 +16,27 @@ from rigsim.rig.arrays import AnyImage
 
 _PICTURE_WIDTH = 1100
 _MOST_PICTURE_BYTES = 1_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Cover:
+    """The head of a report; empty where nothing is its own."""
+
+    title: str = ""
+    """In place of the page's title."""
+    note: str = ""
+    """A paragraph under the answer: whom it is for, what it belongs to."""
+    logo: bytes = b""
+    """A picture, PNG or SVG."""
+    logo_type: str = ""
+    """Its media type."""
+
+    @property
+    def logo_uri(self) -> str:
+        """The logo within the page; as a picture, whose scripts and links no browser follows."""
+        if not self.logo:
+            return ""
+        return f"data:{self.logo_type};base64,{base64.b64encode(self.logo).decode('ascii')}"
 
 
 @cache

@@ -99,10 +99,20 @@ def _sweep_columns(
         _Column("predicted\nRMS, mm", tuple(map(number, best[col.PREDICTED_DEPTH_RMSE])), True, 5),
         _Column("predicted/\nsimulated", tuple(map(ratio, best[col.PREDICTED_OVER_SIMULATED])), True, 3),
         _Column("seen by\nboth, %", tuple(map(percent, best[col.VISIBLE_FRACTION])), True, 2),
+        *_requirement_columns(result, places),
         _Column("limited by", tuple(result.limits[place] for place in places), False, 4),
         *_measured_columns(best),
         _Column("agreement", agreement, False, 9),
     ]
+
+
+def _requirement_columns(result: SweepResult, places: list[int]) -> list[_Column]:
+    """Whether the rows keep what was asked, where something was."""
+    from rigsim.present.sweep.requirement_words import WORDS
+    from rigsim.study.sweep.requirement import verdicts
+
+    found = verdicts(result.requirements)
+    return [_Column("required", tuple(WORDS[found[place]] for place in places), False, 9)] if found else []
 
 
 def _measured_columns(best: pd.DataFrame) -> list[_Column]:

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 
 from rigsim.present.kit import style
+from rigsim.present.kit.page import Cover
 from rigsim.present.kit.picture_figure import picture_figure
 from rigsim.present.kit.pictures import anaglyph, disparity_picture, encode, picture_limits, with_scale
 from rigsim.present.kit.topdown import topdown_figure
@@ -21,12 +22,12 @@ from rigsim.study.scene.snapshot import Snapshot
 from rigsim.study.sweep.result import SweepResult
 
 
-def sweep_files(result: SweepResult) -> dict[str, bytes]:
+def sweep_files(result: SweepResult, cover: Cover | None = None) -> dict[str, bytes]:
     """Name to content: report.html, topdown.png, depth_error.png, left.png, right.png; witnesses.png too
-    when something was measured."""
+    when something was measured. `cover` is the report's own head."""
     plan = report.showcase_figure(result)
     files = {
-        "report.html": report.report_html(result, plan).encode("utf-8"),
+        "report.html": report.report_html(result, plan, cover).encode("utf-8"),
         "topdown.png": style.to_png(plan),
         "depth_error.png": style.to_png(curves.depth_error_figure(result), dpi=110),
         "left.png": encode(result.showcase.image_left),

@@ -48,7 +48,7 @@ def equivalent_noise_words(row: Mapping[Any, Any]) -> str:
     value = noise_value(row)
     if not value:
         return ""
-    return f"What was measured in the pictures ({method_words(row)}) corresponds to `--noise {value}`."
+    return f"What was measured in renderings ({method_words(row)}) corresponds to `--noise {value}`."
 
 
 def found_words(row: Mapping[Any, Any]) -> str:

@@ -8,12 +8,13 @@ from matplotlib.figure import Figure
 from rigsim.present.kit import style
 from rigsim.present.kit.footprint import footprint
 from rigsim.present.kit.format import count, length
-from rigsim.present.kit.page import data_uri, fill, flat
+from rigsim.present.kit.page import Cover, data_uri, fill, flat
 from rigsim.present.kit.topdown import topdown_figure
-from rigsim.present.sweep import tables
+from rigsim.present.sweep import requirement_words, tables
 from rigsim.present.sweep.measured_words import equivalent_noise_words, method_words, was_measured
 from rigsim.present.sweep.plots import curves
 from rigsim.present.sweep.plots.axes import PlotAxis, best_row, swept_axes
+from rigsim.present.sweep.requirement_table import requirement_table
 from rigsim.present.sweep.rig_table import rig_table
 from rigsim.present.sweep.same import same_words
 from rigsim.present.sweep.witness_table import witness_table
@@ -33,10 +34,10 @@ def showcase_figure(result: SweepResult) -> Figure:
     )
 
 
-def report_html(result: SweepResult, plan: Figure | None = None) -> str:
+def report_html(result: SweepResult, plan: Figure | None = None, cover: Cover | None = None) -> str:
     """The report of a sweep: verdict, rig, pictures, plots, tables, how to read it, how to make it again.
 
-    `plan` is `showcase_figure(result)` when it is drawn already.
+    `plan` is `showcase_figure(result)` when it is drawn already; `cover` is its own head.
     """
     plan_svg = style.to_svg(
         plan or showcase_figure(result), "plan", "Plan of the rig and its points, from above"
@@ -58,6 +59,9 @@ def report_html(result: SweepResult, plan: Figure | None = None) -> str:
     return fill(
         "report.html",
         title=_title(result, axes),
+        cover=cover or Cover(),
+        required=requirement_table(result),
+        required_badge=requirement_words.badge(result),
         result=result,
         verdict=verdict(result),
         witnesses=witness_table(result),

@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from rigsim.present.kit.agreement import text
+from rigsim.present.kit.agreement import reason
 from rigsim.present.kit.format import count, number, with_interval
 from rigsim.present.sweep.column_words import COLUMNS, ShownColumn
 from rigsim.present.sweep.measured_words import was_measured
 from rigsim.present.sweep.plots.axes import swept_axes
 from rigsim.present.sweep.same import comparison_of
 from rigsim.study.scene import columns as col
+from rigsim.study.scene.columns import AXES
 from rigsim.study.sweep.comparison import row_of_bins
 from rigsim.study.sweep.result import SweepResult
 
@@ -36,6 +37,10 @@ _MEASURED: dict[str, str] = {
     col.MEASURED_N: "points",
     col.MEASURED_OUTLIER_FRACTION: "outliers",
 }
+_ALONE = (col.DEPTH_ABS_P95, col.DEPTH_BIAS, col.DEPTH_RMSE_PCT, col.NEES)
+"""What else the simulation says, where nothing was measured."""
+DITTO = "″"
+"""In place of a number that stands above already."""
 _OF: dict[str, str] = {
     col.PREDICTED_OVER_SIMULATED: "pred. / sim.",
     col.MEASURED_OVER_PREDICTED: "meas. / pred.",
@@ -43,7 +48,7 @@ _OF: dict[str, str] = {
 """What is divided by what, where the heading is short."""
 _GROUPS: tuple[tuple[str, dict[str, str]], ...] = (
     ("simulated: depth error", _SIMULATED),
-    ("measured in the pictures: depth error", _MEASURED),
+    ("measured in renderings: depth error", _MEASURED),
 )
 """Headings over the columns of the second and the third witness, and those columns' short headings."""
 
@@ -58,6 +63,10 @@ class TableRow:
     """Whether the witnesses disagree here."""
     best: bool = False
     """Whether this is the best configuration."""
+    missed: bool = False
+    """Whether it does not keep, or is not shown to keep, what was asked."""
+    why: str = ""
+    """What a line of its own under the row says."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,10 +108,50 @@ def all_rows(result: SweepResult) -> PageTable:
     shown += _error_columns(rows)
     best = result.best[0] if result.best else -1
     same = _Shown("at the same distances", "mm", "same", number)
-    limits = _Shown("limited by", "", "limits", str, False)
+    limits = [_Shown("limited by", "", "limits", str, False)]
+    if len(rows) > 1 and len(set(result.limits)) == 1:
+        note = f"{note} All are limited by {result.limits[0]}.".strip()
+        limits = []
     table = rows.assign(limits=list(result.limits), same=comparison_of(result).simulated_mm).iloc[places]
-    columns = (*shown, same, limits, _AGREEMENT)
-    return _table(columns, table, [place == best for place in places], note)
+    columns = _fitting([*shown, same, *limits, _AGREEMENT])
+    found = _table(columns, table, [place == best for place in places], note)
+    return replace(found, rows=_once(found.rows, columns, table))
+
+
+def _fitting(columns: list[_Shown]) -> list[_Shown]:
+    """The columns that a page has room for; what is left out stands in the files."""
+    for name in (col.MEASURED_OUTLIER_FRACTION, col.MEASURED_N, _INTERVAL.name):
+        if len(columns) <= _MOST_COLUMNS:
+            break
+        columns = [column for column in columns if column.name != name]
+    return columns
+
+
+_MOST_COLUMNS = 14
+_INDEPENDENT: dict[str, frozenset[str]] = {
+    # pictures have a noise of their own; the simulation looks at no picture
+    col.NOISE: frozenset((*_MEASURED, col.VISIBLE_FRACTION)),
+    col.SENSOR: frozenset((*_SIMULATED, *_ALONE, "same", col.VISIBLE_FRACTION)),
+}
+"""Which columns do not depend on an axis."""
+
+
+def _once(rows: tuple[TableRow, ...], columns: Sequence[_Shown], table: pd.DataFrame) -> tuple[TableRow, ...]:
+    """The rows with a ditto mark where a number stands above, where no axis that matters differs."""
+    seen: dict[tuple[Any, ...], str] = {}
+    found = []
+    for row, record in zip(rows, table.to_dict("records"), strict=True):
+        cells = list(row.cells)
+        for place, column in enumerate(columns):
+            free = {axis for axis, names in _INDEPENDENT.items() if column.name in names}
+            if not free:
+                continue
+            key = (column.name, *(record[axis] for axis in AXES if axis not in free))
+            if seen.get(key) == row.cells[place]:
+                cells[place] = DITTO
+            seen[key] = row.cells[place]
+        found.append(replace(row, cells=tuple(cells)))
+    return tuple(found)
 
 
 def best_by_depth(result: SweepResult) -> PageTable:
@@ -111,7 +160,11 @@ def best_by_depth(result: SweepResult) -> PageTable:
     table = result.by_depth[row_of_bins(result.rows, result.by_depth) == place]
     names = (col.DEPTH_NEAR, col.DEPTH_FAR, col.N_POINTS)
     columns = (*(_of(COLUMNS[name]) for name in names), *_error_columns(table), _AGREEMENT)
-    return _table(columns, table, [False] * len(table))
+    found = _table(columns, table, [False] * len(table))
+    if result.rows.iloc[place][col.AGREEMENT].kind == "flagged":
+        return found
+    # of ten bins one is off by chance: what the page says of the rig goes by all of them
+    return replace(found, rows=tuple(replace(row, flagged=False) for row in found.rows))
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +192,7 @@ def _error_columns(table: pd.DataFrame) -> list[_Shown]:
         columns = [replace(column, unit=_OF.get(column.name, column.unit)) for column in columns]
     else:
         columns = [_named(name) for name in _SIMULATED]
-        rest = [col.DEPTH_ABS_P95, col.DEPTH_BIAS, col.DEPTH_RMSE_PCT, col.NEES, *rest]
+        rest = [*_ALONE, *rest]
     return columns + [_named(name) for name in rest if name not in nil]
 
 
@@ -161,6 +214,7 @@ def _table(columns: Sequence[_Shown], table: pd.DataFrame, best: list[bool], not
             tuple(_cell(column, record, within=_INTERVAL in columns) for column in columns),
             record[col.AGREEMENT].kind == "flagged",
             is_best,
+            why=reason(record[col.AGREEMENT]),
         )
         for record, is_best in zip(table.to_dict("records"), best, strict=True)
     )
@@ -181,5 +235,5 @@ def _cell(column: _Shown, record: dict[Any, Any], within: bool) -> str:
     return column.show(record[column.name])
 
 
-_AGREEMENT = replace(_of(COLUMNS[col.AGREEMENT]), show=text)
+_AGREEMENT = replace(_of(COLUMNS[col.AGREEMENT]), show=lambda agreement: str(agreement.kind))
 _INTERVAL = _Shown("95 % interval", "mm", "interval", str)

@@ -58,7 +58,7 @@ def witness_table(result: SweepResult) -> PageTable:
             _said(row, "measured"),
         ),
     )
-    headings = (("", ""), ("Predicted", ""), ("Simulated", ""), ("Measured", ""))
+    headings = (("", ""), ("Predicted", ""), ("Simulated", ""), ("Measured in renderings", ""))
     return PageTable(headings, (False,) * 4, tuple(TableRow(line) for line in lines))
 
 

@@ -12,10 +12,11 @@ from rigsim.present.kit import agreement
 from rigsim.present.kit.agreement import fault as fault
 from rigsim.present.kit.agreement import spelled as spelled
 from rigsim.present.kit.format import count
+from rigsim.present.sweep import requirement_words
 from rigsim.present.sweep.phrases import describe, distances, mm, percent, say
 from rigsim.study.agreement.agreement import kinds as kinds_of
 from rigsim.study.scene import columns as col
-from rigsim.study.scene.plan import Held
+from rigsim.study.scene.plan import DEFAULT_SCENE, Held
 from rigsim.study.sweep.choice import choice, trend
 from rigsim.study.sweep.comparison import WELL_COVERED, row_of_bins
 from rigsim.study.sweep.growth import Growth, growth_of
@@ -54,7 +55,11 @@ def verdict(result: SweepResult) -> Verdict:
         *filter(None, [lens(result)]),
         *([_TWO_RIGS] if result.has_two_rigs else []),
     ]
-    return Verdict(_headline(row, bins), tuple(sentences), result.agrees)
+    headline = _headline(row, bins)
+    if result.requirements:
+        sentences = [*requirement_words.reasons(result), headline, *sentences]
+        headline = requirement_words.recommendation(result)
+    return Verdict(headline, tuple(sentences), result.agrees)
 
 
 def lens(result: SweepResult) -> str:
@@ -143,11 +148,13 @@ def _headline(row: pd.Series, bins: pd.DataFrame) -> str:
         if row[col.AGREEMENT].witness == "measured"
         else "not enough to tell whether they agree",
     }[row[col.AGREEMENT].kind]
+    # a scene that nobody chose says nothing
+    scene = "" if row[col.SCENE] == DEFAULT_SCENE else f" in scene `{row[col.SCENE]}`"
     return (
         f"At {_depths(middle)}, {row[col.BASELINE]:.4g} mm of baseline gives "
         f"{mm(middle[col.DEPTH_RMSE])} RMS depth error; "
         f"predicted {mm(middle[col.PREDICTED_DEPTH_RMSE])}; "
-        f"simulated on {count(row[col.N_VISIBLE])} points in scene `{row[col.SCENE]}`; {ending}."
+        f"simulated on {count(row[col.N_VISIBLE])} points{scene}; {ending}."
     )
 
 
@@ -230,7 +237,7 @@ def _measured(row: pd.Series) -> list[str]:
         return []
     noise_px = row[col.MEASURED_DISPARITY_STD] / 2**0.5
     return [
-        f"Measured in the pictures ({int(row[col.MEASURED_N])} {row[col.MEASURED_METHOD]}, sensor "
+        f"Measured in renderings ({int(row[col.MEASURED_N])} {row[col.MEASURED_METHOD]}, sensor "
         f"`{row[col.SENSOR]}`): {mm(row[col.MEASURED_DEPTH_RMSE])} RMS depth error; its own error "
         f"estimate predicts {mm(row[col.PREDICTED_FROM_MEASURED_RMSE])}. The disparity noise of "
         f"{row[col.MEASURED_DISPARITY_STD]:.2g} px corresponds to `--noise {noise_px:.2g}`."

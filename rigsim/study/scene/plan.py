@@ -115,6 +115,10 @@ def sizes(given_sizes: object) -> tuple[tuple[int, int], ...]:
     return tuple(found)
 
 
+DEFAULT_SCENE = "boards"
+"""The scene of a sweep unless another one is asked for."""
+
+
 @dataclass(frozen=True, slots=True)
 class Plan:
     """All that decides the numbers of a sweep.
@@ -126,7 +130,7 @@ class Plan:
         ([0.1, 0.5], 100)
     """
 
-    scene: str = "boards"
+    scene: str = DEFAULT_SCENE
     """Bundled scene's name or path of an MJCF file."""
     mount: str | None = None
     """Where the rig sits; None for the scene's own."""

@@ -2,7 +2,8 @@
 
 Rows see different points, and a row whose disparities drown in their noise sees fewer. An average over what
 each can answer favours the row that answers least. Here only the bins of depth count that all the rows
-being compared answer, with the same weight for each bin.
+being compared answer, with the same weight for each bin; and within a bin, whose far edge has 1.6 times the
+error of its near one, each row's error is brought to the same distance.
 """
 
 from __future__ import annotations
@@ -66,7 +67,7 @@ def compare(rows: pd.DataFrame, by_depth: pd.DataFrame, among: Mask | None = Non
     """The error of each row over the distances that all rows `among` answer.
 
     A row answers a bin of depth when it has points there and no pixel under ``Z / sigma_Z`` of 4. Each bin's
-    mean square error, brought to the same median depth by ``Z^4``, counts with the bin's share of the image,
+    mean square error, brought to the same distance by ``Z^4``, counts with the bin's share of the image,
     averaged over the rows. Where the distances that are shared hold less than half of what the row that
     answers most does, the row that answers least is left out, and so on: first of those that something
     speaks against.
@@ -111,7 +112,8 @@ class _Bins:
     answered: Mask
     share: Array
     n: Array
-    median_mm: Array
+    where_mm: Array
+    """The distance that the mean square error belongs to, (rows, bins)."""
     simulated_mm: Array
     predicted_mm: Array
     ci_high_mm: Array
@@ -129,6 +131,7 @@ class _Bins:
             return values
 
         simulated = spread(col.DEPTH_RMSE)
+        ends = np.array(edges).reshape(-1, 2).T[:, None, :]
         n = spread(col.N_VISIBLE, 0.0)
         answered = np.isfinite(simulated) & (n >= FEWEST_POINTS) & (spread(col.LOW_DISPARITY_FRACTION) == 0)
         return cls(
@@ -136,11 +139,23 @@ class _Bins:
             answered,
             spread(col.SCENE_FRACTION, 0.0),
             n,
-            spread(col.DEPTH_MEDIAN),
+            where_mm(simulated, spread(col.DEPTH_RMSE_PCT), spread(col.DEPTH_MEDIAN), *ends),
             simulated,
             spread(col.PREDICTED_DEPTH_RMSE),
             spread(col.DEPTH_RMSE_CI_HIGH),
         )
+
+
+def where_mm(rmse_mm: Array, rmse_pct: Array, median_mm: Array, near_mm: Array, far_mm: Array) -> Array:
+    """The distance, mm, that each bin's mean square error belongs to; arrays of one shape, or that broadcast.
+
+    Errors go with Z^2, so ``RMS^2 / (RMS of error over depth)^2`` is ``E[Z^4] / E[Z^2]``, whatever the rig
+    is: the square of a depth between the edges. The median jumps from one surface to another where two of
+    them share a bin.
+    """
+    with np.errstate(invalid="ignore", divide="ignore"):
+        where = 100 * rmse_mm / rmse_pct
+    return np.where(np.isfinite(where), np.clip(where, near_mm, far_mm), median_mm)
 
 
 def _pooled(bins: _Bins, known: Mask, shared: Mask, weight: Array, answered: Array) -> Comparison:
@@ -151,10 +166,10 @@ def _pooled(bins: _Bins, known: Mask, shared: Mask, weight: Array, answered: Arr
     def over(values: Array) -> Array:
         return np.where(answers, np.where(np.isfinite(values), values, 0.0) @ weight, math.nan)
 
-    median = bins.median_mm[:, shared]
-    middle = np.median(median[answers], axis=0) if answers.any() else np.ones(len(weight))
+    where = bins.where_mm[:, shared]
+    middle = np.median(where[answers], axis=0) if answers.any() else np.ones(len(weight))
     with np.errstate(invalid="ignore"):
-        scale = (middle / median) ** 4
+        scale = (middle / where) ** 4
         simulated, predicted, high = (
             scale * each[:, shared] ** 2 for each in (bins.simulated_mm, bins.predicted_mm, bins.ci_high_mm)
         )

@@ -13,6 +13,7 @@ from rigsim.study.agreement.fault import Fault
 from rigsim.study.scene.plan import Held
 from rigsim.study.scene.showcase import Showcase
 from rigsim.study.sweep.limits import Limit
+from rigsim.study.sweep.requirement import RowsHeld
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,6 +59,8 @@ class SweepResult:
     """How many rows have no result as their triangulator broke, and its error, one line; empty for none."""
     complete: bool = True
     """False when the run was interrupted and holds only the rigs done until then."""
+    requirements: tuple[RowsHeld, ...] = ()
+    """The rows held to each depth error that was asked for."""
 
     @property
     def agrees(self) -> bool:

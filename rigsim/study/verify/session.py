@@ -8,9 +8,10 @@ from pathlib import Path
 
 from rigsim.errors import InvalidRange, InvalidScene, RigsimError
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.golden.compare import Record
 from rigsim.study.scene.provenance import versions
 from rigsim.study.verify.case import Case
-from rigsim.study.verify.golden import Record, rig_words, scene_record, triangulator_record
+from rigsim.study.verify.golden import rig_words, scene_record, triangulator_record
 from rigsim.study.verify.rendered import scene_rig
 from rigsim.study.verify.result import CaseResult, VerifyResult
 from rigsim.study.verify.runner import verify

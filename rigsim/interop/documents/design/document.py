@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any, Protocol, cast
 
+from rigsim.interop.documents.base import golden_part
 from rigsim.interop.documents.design.models import (
     Achieved,
     Binding,
@@ -30,6 +31,7 @@ from rigsim.study.design.proof import Proof, held_to, recommended, verdict
 from rigsim.study.design.solve import Candidate as Picked
 from rigsim.study.design.solve import Design, Specification
 from rigsim.study.design.tolerance import DesignTolerance as Held
+from rigsim.study.golden.compare import GoldenReport
 from rigsim.theory.inverse import BaselineBound as End
 from rigsim.theory.inverse import Interval, Requirement
 
@@ -69,6 +71,7 @@ def design_document(
     proofs: Sequence[Proof],
     tolerance: Held | None,
     words: Words,
+    golden: GoldenReport | None = None,
 ) -> dict[str, Any]:
     """The answer, as docs/reference/design.md says; `words` has its sentences."""
     pick = recommended(design, proofs)
@@ -103,6 +106,7 @@ def design_document(
             for proof in proofs
         ],
         tolerance=None if tolerance is None else _tolerance(tolerance, words),
+        golden=golden_part(golden),
     ).model_dump(by_alias=True)
 
 

@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from rigsim.interop.documents.base import Part, SeenRig
+from rigsim.interop.documents.base import Golden, Part, SeenRig
 from rigsim.interop.documents.tolerance import Quantity, Required
 from rigsim.theory.inverse import RequirementKind
 
@@ -243,3 +243,5 @@ class DesignDocument(Part):
     """Rigs that were rendered and simulated, in that order."""
     tolerance: DesignTolerance | None
     """Null where it was not looked into."""
+    golden: Golden | None
+    """Null without --golden and --update."""

@@ -249,7 +249,7 @@ def _draw_legends(
         hollow = Line2D(
             [], [], color=neutral, marker=style.MEASURED_MARK, linestyle="none", markerfacecolor="none"
         )
-        marks.append((hollow, "measured in\nthe pictures"))
+        marks.append((hollow, "measured in\nrenderings"))
         dashed = Line2D([], [], color=neutral, linestyle=third.DASHES, linewidth=1.3)
         marks.append((dashed, "predicted from the\nmeasured noise"))
     if cut.x is DEPTH:

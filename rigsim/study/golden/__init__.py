@@ -1,0 +1,1 @@
+"""Golden results: what a command gave once, and what has moved since."""
