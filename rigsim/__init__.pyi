@@ -7,14 +7,15 @@ from .api.draw import rig_figure as rig_figure
 from .api.export import export_dataset as export_dataset
 from .api.export import export_rig as export_rig
 from .api.infer import infer as infer
+from .api.make_rig import make_rig as make_rig
 from .api.measure import measure as measure
 from .api.render import render as render
 from .api.rigs import read_rig as read_rig
+from .api.rigs import write_rig as write_rig
 from .api.sweep import sweep as sweep
 from .api.tolerance import tolerance as tolerance
 from .api.verify import verify as verify
 from .errors import RigsimError as RigsimError
-from .interop.formats.rig_toml import write_rig as write_rig
 from .rig.intrinsics import Intrinsics as Intrinsics
 from .rig.lens.distortion import BrownConrady as BrownConrady
 from .rig.noise import PixelNoise as PixelNoise

@@ -19,6 +19,7 @@ LENGTHS = MappingProxyType(
 )
 PIXELS = MappingProxyType({"px": Fraction(1)})
 ANGLES = MappingProxyType({"deg": Fraction(1), "°": Fraction(1)})
+TURNS = MappingProxyType({**ANGLES, "arcmin": Fraction(1, 60)})
 PLAIN: Mapping[str, Fraction] = MappingProxyType({"": Fraction(1)})
 """Of a number without a unit."""
 
@@ -50,5 +51,10 @@ FOCAL_MM = QuantityKind("focal length", "mm", LENGTHS, above=0)
 FOCAL_PX = QuantityKind("focal length", "px", PIXELS, above=0)
 HFOV = QuantityKind("horizontal field of view", "deg", ANGLES, above=0, below=180)
 VERGENCE = QuantityKind("vergence", "deg", ANGLES, above=-180, below=180)
+YAW = QuantityKind("yaw", "deg", TURNS, above=-180, below=180)
+PITCH = QuantityKind("pitch", "deg", TURNS, above=-180, below=180)
+ROLL = QuantityKind("roll", "deg", TURNS, above=-180, below=180)
+VERTICAL = QuantityKind("vertical shift", "mm", LENGTHS)
+FORWARD = QuantityKind("forward shift", "mm", LENGTHS)
 NOISE = QuantityKind("noise", "px", PIXELS, at_least=0)
 DISPARITY = QuantityKind("disparity", "px", PIXELS)

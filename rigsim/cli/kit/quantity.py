@@ -26,6 +26,7 @@ from rigsim.rig.quantity import NOISE as NOISE
 from rigsim.rig.quantity import PIXEL_PITCH as PIXEL_PITCH
 from rigsim.rig.quantity import SENSOR_WIDTH as SENSOR_WIDTH
 from rigsim.rig.quantity import VERGENCE as VERGENCE
+from rigsim.rig.quantity import YAW as YAW
 from rigsim.rig.quantity import QuantityKind as QuantityKind
 
 MAX_VALUES = 1_000_000

@@ -9,12 +9,17 @@ from typing import TYPE_CHECKING, Any
 from rigsim.study.scene.axes import (
     baseline,
     focal,
+    forward,
     hfov,
     noise,
+    pitch,
     resolution,
+    roll,
     sensor,
     triangulator,
     vergence,
+    vertical,
+    yaw,
 )
 from rigsim.study.scene.axes.axis import Axis
 
@@ -28,6 +33,11 @@ ALL: tuple[Axis, ...] = (
     hfov.AXIS,
     resolution.AXIS,
     vergence.AXIS,
+    yaw.AXIS,
+    pitch.AXIS,
+    roll.AXIS,
+    vertical.AXIS,
+    forward.AXIS,
     noise.AXIS,
     triangulator.AXIS,
     sensor.AXIS,
