@@ -18,6 +18,7 @@ from .api.verify import verify as verify
 from .errors import RigsimError as RigsimError
 from .rig.intrinsics import Intrinsics as Intrinsics
 from .rig.lens.distortion import BrownConrady as BrownConrady
+from .rig.motion import Motion as Motion
 from .rig.noise import PixelNoise as PixelNoise
 from .rig.observations import Observations as Observations
 from .rig.perturbation import Perturbation as Perturbation
