@@ -9,19 +9,15 @@ from typing import TYPE_CHECKING, Any
 from rigsim.study.scene.axes import (
     baseline,
     focal,
-    forward,
     hfov,
     noise,
-    pitch,
     resolution,
-    roll,
     sensor,
     triangulator,
     vergence,
-    vertical,
-    yaw,
 )
 from rigsim.study.scene.axes.axis import Axis
+from rigsim.study.scene.axes.right_camera import forward, pitch, roll, vertical, yaw
 
 if TYPE_CHECKING:
     from rigsim.rig.noise import PixelNoise
