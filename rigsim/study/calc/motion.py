@@ -21,7 +21,7 @@ _GRID = (65, 49)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Shift:
+class LateShift:
     """What the right picture's delay does to points (N, 3); NaN where a camera does not see one."""
 
     along_px: Array
@@ -52,20 +52,20 @@ class MotionAt:
     """Time offset with which the largest of these shifts along the rows is a disparity's noise, s."""
 
 
-def shift_of(rig: StereoRig, motion: Motion, points_left: Array) -> Shift:
+def shift_of(rig: StereoRig, motion: Motion, points_left: Array) -> LateShift:
     """What `motion` does to points (N, 3) m, placed where they are when the left picture is taken."""
     seen_left, seen_late = motion.apply(rig).project(points_left)
     moved = seen_late - rig.project(points_left)[1]
     found = triangulate(rig, seen_left, seen_late)[:, 2]
     error = np.where(found > 0, found, np.nan) - points_left[:, 2]
-    return Shift(moved[:, 0], moved[:, 1], error)
+    return LateShift(moved[:, 0], moved[:, 1], error)
 
 
 def motion_at(rig: StereoRig, motion: Motion, depth_m: float, noise: PixelNoise, *, sized: bool) -> MotionAt:
     """What `motion` does at a distance on the left optical axis and, where images are `sized`, around it."""
     there = shift_of(rig, motion, np.array([[0.0, 0.0, depth_m]]))
     nothing = np.full(1, np.nan)
-    whole = shift_of(rig, motion, _plane(rig, depth_m)) if sized else Shift(nothing, nothing, nothing)
+    whole = shift_of(rig, motion, _plane(rig, depth_m)) if sized else LateShift(nothing, nothing, nothing)
     along_px, most_along_px = float(there.along_px[0]), _largest(whole.along_px)
     shift_px = abs(along_px if math.isnan(most_along_px) else most_along_px)
     return MotionAt(
