@@ -6,9 +6,9 @@ import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, overload
 
-from rigsim.errors import InvalidRange, InvalidScene
+from rigsim.errors import InvalidRange, InvalidRig, InvalidScene
 from rigsim.rig import given
 from rigsim.rig.stereo import StereoRig
 
@@ -75,6 +75,76 @@ def read_rig(rig: RigLike) -> StereoRig:
             f"{', '.join(PRESETS)}"
         )
     return read_calibration(path)
+
+
+@overload
+def write_rig(
+    path: str | os.PathLike[str], rig: StereoRig, comment: str = "", sensor: Sensor | None = None
+) -> Path: ...
+
+
+@overload
+def write_rig(path: StereoRig, rig: str = "", comment: Sensor | None = None) -> str: ...
+
+
+@overload
+def write_rig(path: StereoRig, *, comment: str = "", sensor: Sensor | None = None) -> str: ...
+
+
+@overload
+def write_rig(*, rig: StereoRig, comment: str = "", sensor: Sensor | None = None) -> str: ...
+
+
+def write_rig(
+    path: object = None, rig: object = None, comment: object = "", sensor: object = None
+) -> Path | str:
+    """Write a rig as a rig.toml, which `read_rig` and ``--rig`` read back bit for bit.
+
+    ``write_rig(path, rig)`` writes the file and gives its path back; one that is there is replaced.
+    ``write_rig(rig)`` gives the text alone, as does ``write_rig(rig, comment, sensor)``. `export_rig` writes
+    the formats of other programs.
+
+    Args:
+        path: The file; its name ends in .toml.
+        rig: The rig.
+        comment: Put on top, as many lines as it has.
+        sensor: Written number by number, without the name it may have had, so that it stays what it was.
+
+    Raises:
+        InvalidRange: the path is none, or has another ending.
+        InvalidRig: there is no rig.
+        OutputError: the file cannot be written.
+
+    Example:
+        >>> import rigsim
+        >>> print(rigsim.write_rig(rigsim.preset("bin").rig, comment="over the bin").splitlines()[0])
+        # over the bin
+    """
+    if isinstance(path, StereoRig):
+        if rig is not None:  # (rig, comment, sensor)
+            comment, sensor = rig, sensor if comment == "" else comment
+        return _rig_text(path, comment, sensor)
+    if path is None:
+        return _rig_text(rig, comment, sensor)
+    file = given.path(path, "rig file")
+    text = _rig_text(rig, comment, sensor)
+    if file.suffix.lower() != ".toml":
+        raise InvalidRange(f"rig file {file}: must end in .toml; rigsim.export_rig writes other formats")
+    from rigsim.interop.files.folder import write_file
+
+    write_file(file, text.encode())
+    return file
+
+
+def _rig_text(rig: object, comment: object, sensor: object) -> str:
+    from rigsim.interop.formats import rig_toml
+    from rigsim.rig.sensor import Sensor
+
+    one = given.a(StereoRig, rig, "a StereoRig: the rig to write", InvalidRig)
+    words = given.a(str, comment, "text: the comment of a rig file", InvalidRig)
+    if sensor is None:
+        return rig_toml.write_rig(one, words)
+    return rig_toml.write_rig(one, words, given.a(Sensor, sensor, "a Sensor: of a rig file", InvalidRig))
 
 
 @dataclass(frozen=True, slots=True)

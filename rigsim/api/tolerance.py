@@ -42,7 +42,10 @@ class ToleranceOptions:
     tolerances: Mapping[str, float] | None = None
     bounds: Collection[str] = ()
     distribution: str = "normal"
-    speed_m_s: float = 1.0
+    speed_m_s: float | None = None
+    forward_speed_m_s: float = 0.0
+    turn_rate_deg_s: float = 0.0
+    moving: str = "object"
     expansion_ppm: float = 23.0
     recalibrate: bool = True
     recalibration_features: int = 60
@@ -73,7 +76,7 @@ class Toleranced(Result):
     result: ToleranceResult
     """The study."""
     remarks: tuple[Remark, ...] = ()
-    """Nothing is odd about a tolerance study so far."""
+    """What is odd about what was asked."""
     golden: GoldenReport | None = None
     """How the numbers compare with golden results; None when it was not asked."""
 
@@ -126,7 +129,7 @@ class Toleranced(Result):
         from rigsim.interop.documents.tolerance import tolerance_document
         from rigsim.present.tolerance import words
 
-        return tolerance_document(self.result, words, self.golden)
+        return tolerance_document(self.result, words, self.remarks, self.golden)
 
     def print(self, folder: Path | None = None) -> None:
         """Print the ranked tables, the built rigs at each depth, and how many are good."""
@@ -153,7 +156,10 @@ def tolerance(options: ToleranceOptions) -> Toleranced:
             one standard deviation each, in the unit that the name ends with.
         bounds: Names of those that are a bound, +-, instead.
         distribution: normal; or uniform, which makes a bound of every tolerance, evenly filled.
-        speed_m_s: The object's speed, m/s, for ``time_offset_ms``.
+        speed_m_s: Speed along the baseline, m/s, for ``time_offset_ms``; 1 where no other motion is given.
+        forward_speed_m_s: Speed straight ahead, m/s, for the same.
+        turn_rate_deg_s: How fast the rig turns to the right, deg/s, for the same.
+        moving: What the two speeds are of: object or rig.
         expansion_ppm: Expansion of the bar, ppm/K, for ``temperature_k``.
         recalibrate: Whether each rig is recalibrated on epipolar errors and known lengths as well.
         recalibration_features: Features that a recalibration sees in a picture.
@@ -177,7 +183,8 @@ def tolerance(options: ToleranceOptions) -> Toleranced:
         >>> round(float(found.table["depth_error_at_3000_mm"].iloc[0]), 6)  # 1 % of 75 mm is 1 % of 3 m
         30.0
     """
-    return Toleranced(_run(options))
+    result = _run(options)
+    return Toleranced(result, _remarks(options, result))
 
 
 def _run(options: ToleranceOptions) -> ToleranceResult:
@@ -244,7 +251,32 @@ def _held(options: ToleranceOptions, rig: StereoRig) -> Tolerances:
             **found,
             "bounds": (base.bounds - set(found)) | bounds,
             "distribution": options.distribution,
-            "speed_m_s": given.real(options.speed_m_s, "speed_m_s"),
+            **_motion(options),
             "expansion_per_k": given.real(options.expansion_ppm, "expansion_ppm") * 1e-6,
         },
     )
+
+
+def _motion(options: ToleranceOptions) -> dict[str, Any]:
+    """What a time offset acts on."""
+    forward = given.real(options.forward_speed_m_s, "forward_speed_m_s")
+    turn = given.real(options.turn_rate_deg_s, "turn_rate_deg_s")
+    speed = options.speed_m_s
+    if speed is None:
+        speed = 0.0 if forward or turn else 1.0
+    return {
+        "speed_m_s": given.real(speed, "speed_m_s"),
+        "forward_speed_m_s": forward,
+        "turn_rate_deg_s": turn,
+        "moving": options.moving,
+    }
+
+
+def _remarks(options: ToleranceOptions, result: ToleranceResult) -> tuple[Remark, ...]:
+    """Whether a motion was given that acts on nothing."""
+    motion = _motion(options)
+    given_motion = bool(options.speed_m_s or motion["forward_speed_m_s"] or motion["turn_rate_deg_s"])
+    if not given_motion or result.tolerances.time_offset_ms:
+        return ()
+    text = "a speed or a turn rate acts on a time offset alone: add --tolerance time=2ms, say"
+    return (Remark("no_time_offset", text),)

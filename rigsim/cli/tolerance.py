@@ -19,7 +19,7 @@ from rigsim.cli.kit.tolerances import ToleranceWord, tolerance_values
 from rigsim.errors import InvalidRange
 
 _LENGTHS = quantity.BASELINE.factors
-_SPEED = quantity.QuantityKind("speed", "m/s", {"m/s": Fraction(1)}, at_least=0)
+_SPEED = quantity.QuantityKind("speed", "m/s", quantity.SPEEDS, at_least=0)
 _EXPANSION = quantity.QuantityKind("expansion", "ppm", {"ppm": Fraction(1)}, at_least=0)
 _LENGTH = quantity.QuantityKind("known length's std", "mm", _LENGTHS, above=0)
 _DEPTH_ERROR = quantity.QuantityKind("depth error", "mm", _LENGTHS, above=0)
@@ -49,7 +49,22 @@ class ToleranceWords:
     distribution: Annotated[
         str, typer.Option(help="uniform makes a bound, +-, of every tolerance, evenly filled.")
     ] = "normal"
-    speed: Annotated[str, typer.Option(metavar="M/S", help="Object's speed, for a time offset.")] = "1"
+    speed: Annotated[
+        str | None,
+        typer.Option(
+            metavar="M/S",
+            help="Speed along the baseline, for a time offset.  [default: 1, unless there is another motion]",
+        ),
+    ] = None
+    forward_speed: Annotated[
+        str, typer.Option(metavar="M/S", help="Speed straight ahead, for a time offset.")
+    ] = "0"
+    turn_rate: Annotated[
+        str, typer.Option(metavar="DEG/S", help="How fast the rig turns to the right, for a time offset.")
+    ] = "0"
+    moving: Annotated[
+        str, typer.Option(metavar="WHAT", help="What the two speeds are of: object or rig.")
+    ] = "object"
     expansion: Annotated[
         str, typer.Option(metavar="PPM", help="Expansion of the bar, ppm/K, for a temperature.")
     ] = "23"
@@ -110,7 +125,10 @@ def tolerance(options: RigOptions, words: ToleranceWords, golden: GoldenWords) -
         tolerances=values,
         bounds=bounds,
         distribution=words.distribution,
-        speed_m_s=quantity.value(words.speed, _SPEED),
+        speed_m_s=None if words.speed is None else quantity.value(words.speed, _SPEED),
+        forward_speed_m_s=quantity.value(words.forward_speed, quantity.FORWARD_SPEED),
+        turn_rate_deg_s=quantity.value(words.turn_rate, quantity.TURN_RATE),
+        moving=words.moving,
         expansion_ppm=quantity.value(words.expansion, _EXPANSION),
         recalibrate=words.recalibrate,
         recalibration_features=words.features,

@@ -56,14 +56,16 @@ class Perturbation:
             if not math.isfinite(value):
                 raise InvalidRig(f"perturbation {item.name} {value}: must be a finite number")
 
-    def apply(self, rig: StereoRig) -> StereoRig:
-        """The true rig, when `rig` is the assumed one."""
+    def pose(self, rig: StereoRig) -> Pose:
+        """`right_from_left` of the true rig, when `rig` is the assumed one."""
         left_from_right = rig.right_from_left.inverse
         along = left_from_right.t / rig.baseline_m
         center_left = left_from_right.t + along * self.baseline_m + (0.0, self.vertical_m, self.axial_m)
         turn = Pose.from_rotvec((self.pitch_rad, self.yaw_rad, self.roll_rad)).R
-        true_left_from_right = Pose(left_from_right.R @ turn, center_left)
+        return Pose(left_from_right.R @ turn, center_left).inverse
 
+    def apply(self, rig: StereoRig) -> StereoRig:
+        """The true rig, when `rig` is the assumed one."""
         return StereoRig(
             replace(rig.left, distortion=with_k1(rig.left.distortion, self.both_k1)),
             replace(
@@ -73,7 +75,7 @@ class Perturbation:
                 cx=rig.right.cx + self.right_cx_px,
                 distortion=with_k1(rig.right.distortion, self.both_k1, self.right_k1),
             ),
-            true_left_from_right.inverse,
+            self.pose(rig),
         )
 
 

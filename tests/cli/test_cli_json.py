@@ -49,6 +49,8 @@ def answer(capsys: pytest.CaptureFixture[str], name: str, words: str, code: int 
         ("calc-depth", "calc depth --z 100m --focal 500 --baseline 100 --disparity-error 1"),
         ("calc-depth", "calc depth --z 2m --preset branch --vergence 5"),
         ("calc-limits", f"calc limits {RIG}"),
+        ("calc-motion", f"calc motion {RIG} --z 3m --time-offset 2ms --turn-rate 30"),
+        ("calc-motion", f"calc motion {RIG} --z 50mm --time-offset 2ms --speed 1 --moving rig"),
         ("calc-limits", f"calc limits {RIG} --disparities 0:64"),
         ("calc-limits", f"calc limits {RIG} --vergence 5"),
         ("calc-limits", f"calc limits {RIG} --vergence -60"),

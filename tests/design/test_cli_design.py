@@ -65,7 +65,8 @@ def test_the_report_says_what_to_buy_and_what_to_hold(
     assert run(["design", *words, "--class", "calibrated", "--out", "out"]) == 0
     printed = capsys.readouterr().out
     assert re.search(
-        r"Yield with pixel noise, [\d, to]+ rigs per class \(%\), as built / recalibrated: printed (?:< )?\d+ /",
+        r"Yield with pixel noise, [\d, to]+ rigs per class \(%\), as built / recalibrated: "
+        r"printed (?:< )?\d+ /",
         printed,
     )
     assert "Of calibrated rigs" in printed

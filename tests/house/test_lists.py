@@ -31,5 +31,5 @@ def test_every_format_and_every_axis_stands_in_its_registry() -> None:
         (axes, "AXIS = ", len(axis_registry.ALL)),
         (layouts, "LAYOUT = ", len(layout_registry.ALL)),
     ):
-        texts = [path.read_text(encoding="utf-8") for path in Path(room.__path__[0]).glob("*.py")]
+        texts = [path.read_text(encoding="utf-8") for path in Path(room.__path__[0]).rglob("*.py")]
         assert sum(f"\n{entry}" in text for text in texts) == entered

@@ -75,7 +75,10 @@ def test_commands_of_a_page_run_and_print_what_is_shown(
     assert_shown(page.shown.get(command, "...\n"), printed)
 
 
-def test_the_python_of_the_how_to_page_runs(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_python_of_the_how_to_page_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
     text = (DOCS / "howto" / "python.md").read_text(encoding="utf-8")
     for example in re.findall(r"^```python\n(.*?)^```", text, re.DOTALL | re.MULTILINE):
         exec(compile(example, "python.md", "exec"), {})

@@ -25,7 +25,7 @@ from tests.helpers.documents import SCHEMAS, schema, valid, validator
 
 PAGE = (SCHEMAS.parent / "reference" / "json.md").read_text(encoding="utf-8")
 
-UNITS = re.compile(r"_(mm|m|px|deg|um|e|pct|fraction|share)$")
+UNITS = re.compile(r"_(mm|m|px|deg|um|e|ms|m_s|deg_s|pct|fraction|share)$")
 WITHOUT_UNIT = {
     *("n", "n_matches", "n_tried", "n_truth", "n_points", "n_visible", "n_trials", "measured_n"),  # counts
     *("count", "measured_count", "points", "trials", "rigs", "cameras_tried", "bits"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import re
 from pathlib import Path
 from typing import Any
@@ -67,6 +68,34 @@ def test_units_of_tolerances(capsys: pytest.CaptureFixture[str]) -> None:
     by_key = {row["quantity"]: row for row in said["quantities"]}
     # 2 m/s x 0.1 ms = 0.2 mm of baseline; B = 0.12 m, Z = 5 m
     assert by_key["time_offset_ms"]["common_mm"] == pytest.approx(0.2 * 5 / 0.12)
+
+
+def test_a_time_offset_takes_every_motion(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ("--class", "none", "--tolerance", "time=1ms", "--no-recalibrate", "--rigs", "100")
+    turned = document(capsys, *words, "--turn-rate", "1rad/s")
+    assert turned["motion"] == {
+        "speed_m_s": 0.0,  # 1 m/s only where nothing else is said
+        "forward_speed_m_s": 0.0,
+        "turn_rate_deg_s": pytest.approx(math.degrees(1)),
+        "moving": "object",
+    }
+    # 1 mrad shifts the middle of the picture by 0.9 px: 5 m x 5 m x 0.9 px / 108 m px, and more beside it
+    (row,) = turned["quantities"]
+    assert -260 < row["common_mm"] < -209
+    carried = document(capsys, *words, "--speed", "3.6km/h", "--moving", "rig")
+    assert carried["quantities"][0]["common_mm"] == pytest.approx(-5 / 0.12)
+    assert document(capsys, *words)["quantities"][0]["common_mm"] == pytest.approx(5 / 0.12)
+    assert run(["tolerance", *words, "--forward-speed", "-2", "--turn-rate", "30"]) == 0
+    says = "During a time offset the object moves at -2 m/s straight ahead, and the rig turns at 30 deg/s."
+    assert says in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_motion_without_a_time_offset_is_remarked_on(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ("--class", "none", "--tolerance", "yaw=0.1", "--no-recalibrate", "--rigs", "100")
+    said = document(capsys, *words, "--turn-rate", "30")
+    assert said["motion"] is None
+    assert [remark["code"] for remark in said["remarks"]] == ["no_time_offset"]
+    assert document(capsys, *words)["remarks"] == []
 
 
 def test_recalibration_helps(capsys: pytest.CaptureFixture[str]) -> None:
@@ -175,6 +204,7 @@ def test_a_folder_and_a_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]
         (["--recalibration-pictures", "0"], "recalibration pictures 0: must be >= 1"),
         (["--noise=-1"], "noise -1 px: must be >= 0"),
         (["--speed=-1"], "speed -1 m/s: must be >= 0"),
+        (["--moving", "car"], "moving 'car': choose one of rig, object"),
     ],
 )
 def test_slips_are_one_line_and_leave_nothing(

@@ -11,9 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import least_squares
 
+from rigsim.api.make_rig import make_rig
 from rigsim.errors import InvalidRange
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.motion import Motion
 from rigsim.rig.perturbation import NAMES, Perturbation
 from rigsim.rig.presets import PRESETS
 from rigsim.rig.stereo import StereoRig
@@ -145,6 +147,28 @@ def test_time_and_temperature_move_the_baseline() -> None:
     uv_left, _ = RIG.project(point)
     _, uv_right = RIG.project([[0.002, 0.1, 3.0]])
     assert triangulate(RIG, uv_left, uv_right)[0, 2] - 3.0 == pytest.approx(0.050, rel=0.02)
+
+
+@pytest.mark.parametrize("moving", ["rig", "object"])
+def test_a_late_picture_is_the_motion_of_the_rig(moving: str) -> None:
+    """The first order of `Motion.apply`, on rigs that are toed in and turned, by a second way."""
+    held = Tolerances(
+        time_offset_ms=1.0, speed_m_s=0.7, forward_speed_m_s=-1.5, turn_rate_deg_s=40.0, moving=moving
+    )
+    for rig in (RIG, StereoRig.verged(RIG.left, 0.12, 6.0), make_rig(RIG, roll_deg=20, vertical_mm=9)):
+        points = shared_points(rig, 3.0, 50)
+        (predicted,) = first_order(rig, causes(rig, held), points).T
+        late = [Motion(t, 0.7, -1.5, math.radians(40), moving).apply(rig) for t in (1e-6, -1e-6)]
+        after, before = (triangulate(rig, *one.project(points))[:, 2] for one in late)
+        close((after - before) / 2 * 1e3, predicted, rtol=2e-3, atol=1e-6)
+
+
+def test_a_turn_of_the_rig_by_hand() -> None:
+    # 60 deg/s x 1 ms = 1.0472e-3 rad; f = 900 px: 0.9425 px less on the right camera's axis, where the swing
+    # about the middle adds nothing: Z^2 / (f B) x -0.9425 px at 3 m is -78.54 mm
+    held = Tolerances(time_offset_ms=1.0, speed_m_s=0.0, turn_rate_deg_s=60.0)
+    (error,) = first_order(RIG, causes(RIG, held), np.array([[0.12, 0.0, 3.0]]))
+    assert error * 1e3 == pytest.approx([-78.54], abs=0.01)
 
 
 def test_uniform_bounds_are_sqrt_3_standard_deviations_wide() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, fields
 from typing import Any, cast
 
@@ -155,17 +155,10 @@ def plan_of(options: SweepOptions) -> tuple[Plan, tuple[Remark, ...]]:
         assumed=assumed,
         perturbation=perturbation,
         timeout_s=None if options.in_process else options.timeout_s,
-        asked=tuple(axis.columns[0].name for axis in _said_otherwise(options)),
+        asked=tuple(axis.columns[0].name for axis in registry.ALL if axis.name in (options.more or {})),
         sensors=sensors,
     )
     return plan, remarks
-
-
-def _said_otherwise(options: SweepOptions) -> Iterator[Axis]:
-    """The axes given that say the same as another one in other words."""
-    for axis in registry.ALL:
-        if axis.instead_of and axis.name in (options.more or {}):
-            yield axis
 
 
 def _noises(options: SweepOptions) -> tuple[PixelNoise, ...]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from rigsim.cli.calc.limits import limits
+from rigsim.cli.calc.motion import motion
 from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import print_remarks
 from rigsim.cli.kit.facts import Fact, Form, print_facts, values
@@ -181,6 +182,7 @@ def depth(
 
 
 app.command()(limits)
+app.command()(motion)
 
 
 class _About(NamedTuple):

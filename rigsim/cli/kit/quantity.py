@@ -20,12 +20,18 @@ from rigsim.rig.quantity import DEPTH as DEPTH
 from rigsim.rig.quantity import DISPARITY as DISPARITY
 from rigsim.rig.quantity import FOCAL_MM as FOCAL_MM
 from rigsim.rig.quantity import FOCAL_PX as FOCAL_PX
+from rigsim.rig.quantity import FORWARD_SPEED as FORWARD_SPEED
 from rigsim.rig.quantity import HFOV as HFOV
 from rigsim.rig.quantity import LENGTHS, PIXELS
 from rigsim.rig.quantity import NOISE as NOISE
 from rigsim.rig.quantity import PIXEL_PITCH as PIXEL_PITCH
 from rigsim.rig.quantity import SENSOR_WIDTH as SENSOR_WIDTH
+from rigsim.rig.quantity import SPEEDS as SPEEDS
+from rigsim.rig.quantity import TIME_OFFSET as TIME_OFFSET
+from rigsim.rig.quantity import TIMES as TIMES
+from rigsim.rig.quantity import TURN_RATE as TURN_RATE
 from rigsim.rig.quantity import VERGENCE as VERGENCE
+from rigsim.rig.quantity import YAW as YAW
 from rigsim.rig.quantity import QuantityKind as QuantityKind
 
 MAX_VALUES = 1_000_000
@@ -38,7 +44,9 @@ LARGEST_PX = 1e6
 
 UNIT = re.compile(r"[a-zA-Zµμ°%]\s*$")
 """Whether a quantity, or the last of a range, is typed with its unit."""
-_NUMBER = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*([a-zA-Zµμ°]*)")
+_NUMBER = re.compile(
+    r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*((?:[a-zA-Zµμ°]+(?:/[a-zA-Z]+)?)?)"
+)
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)[a-z]*", re.IGNORECASE)
 _LARGEST_EXPONENT = 300
 _HIT = Fraction(1, 10**9)

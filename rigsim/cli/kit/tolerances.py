@@ -23,11 +23,11 @@ ToleranceWord = Annotated[
     ),
 ]
 
-_ANGLES = {**quantity.HFOV.factors, "arcmin": Fraction(1, 60)}
+_ANGLES = quantity.YAW.factors
 _LENGTHS = quantity.BASELINE.factors
 _PIXELS = quantity.NOISE.factors
 _PLAIN = MappingProxyType({"": Fraction(1)})
-_TIMES = MappingProxyType({"us": Fraction(1, 1000), "ms": Fraction(1), "s": Fraction(1000)})
+_TIMES = quantity.TIMES
 
 
 def _kind(name: str, unit: str, factors: Mapping[str, Fraction]) -> quantity.QuantityKind:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal, TypeAlias
 
 from pydantic import SkipValidation
 
 from rigsim.interop.documents.base import Golden, Part, RemarkPart
+from rigsim.interop.documents.text import clean
+from rigsim.rig.motion import Motion
 from rigsim.rig.remark import Remark
 
 Values: TypeAlias = Mapping[str, Any]
@@ -77,6 +80,53 @@ class CalcPointDocument(Part):
     """What is odd: pixels outside the image, rays that miss each other, too much noise, an unlikely lens."""
     golden: Golden | None
     """Null without --golden and --update."""
+    unit: Literal["mm"]
+    """Unit of the keys that name none."""
+
+
+class MotionPart(Part):
+    """What moves between the two pictures."""
+
+    time_offset_ms: float
+    """How much later the right picture is taken, ms."""
+    speed_m_s: float
+    """Speed along the baseline, from the left camera to the right one, m/s."""
+    forward_speed_m_s: float
+    """Speed straight ahead, m/s."""
+    turn_rate_deg_s: float
+    """How fast the rig turns to the right, deg/s."""
+    moving: Literal["rig", "object"]
+    """What the two speeds are of."""
+
+
+class CalcMotionDocument(Part):
+    """What a time offset between the cameras does at a distance, while something moves."""
+
+    seen_by: SeenBy
+    """Which cameras see the point on the left optical axis."""
+    z: float
+    """Depth of it when the left picture is taken, mm."""
+    along_px: float | None
+    """How far it moves along the rows of the right picture, px, positive to the right; null unless both
+    cameras see it."""
+    across_px: float | None
+    """The same across the rows, px, positive down."""
+    depth_error: float | None
+    """Depth that is found, minus the true one, mm; null as well where none is found."""
+    most_along_px: float | None
+    """The largest shift along the rows at this depth, over the part of the image that both see, px;
+    null where there is none, or no image size."""
+    most_across_px: float | None
+    """The same across the rows, px."""
+    most_depth_error: float | None
+    """The same of the depth, mm."""
+    allowed_ms: float | None
+    """Time offset with which the largest shift along the rows is a disparity's noise, ms; null for any."""
+    depth_std: float | None
+    """Standard deviation of the depth for this noise, mm, beside it."""
+    motion: MotionPart
+    remarks: list[RemarkPart]
+    """What is odd: who does not see the point, rows that a matcher would miss, no depth."""
     unit: Literal["mm"]
     """Unit of the keys that name none."""
 
@@ -188,6 +238,20 @@ def limits_document(values: Values, at: Sequence[Values], remarks: Iterable[Rema
         remarks=_told(remarks),
         golden=None,
         unit="mm",
+    ).model_dump()
+
+
+def motion_document(values: Values, motion: Motion, remarks: Iterable[Remark]) -> dict[str, Any]:
+    """What ``rigsim calc motion --json`` prints."""
+    part: dict[str, Any] = {
+        "time_offset_ms": clean(motion.time_offset_s * 1e3),
+        "speed_m_s": motion.speed_m_s,
+        "forward_speed_m_s": motion.forward_speed_m_s,
+        "turn_rate_deg_s": clean(math.degrees(motion.turn_rate_rad_s)),
+        "moving": motion.moving,
+    }
+    return CalcMotionDocument(
+        **values, motion=MotionPart(**part), remarks=_told(remarks), unit="mm"
     ).model_dump()
 
 

@@ -5,7 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 from rigsim.interop.documents.base import Part
-from rigsim.interop.documents.calc import CalcDepthDocument, CalcLimitsDocument, CalcPointDocument
+from rigsim.interop.documents.calc import (
+    CalcDepthDocument,
+    CalcLimitsDocument,
+    CalcMotionDocument,
+    CalcPointDocument,
+)
 from rigsim.interop.documents.compare import CompareDocument
 from rigsim.interop.documents.design.models import DesignDocument
 from rigsim.interop.documents.export import ExportDatasetDocument, ExportRigDocument
@@ -34,6 +39,7 @@ DOCUMENTS: dict[str, tuple[str, type[Part]]] = {
     "calc-point": ("rigsim calc point --json", CalcPointDocument),
     "calc-depth": ("rigsim calc depth --json", CalcDepthDocument),
     "calc-limits": ("rigsim calc limits --json", CalcLimitsDocument),
+    "calc-motion": ("rigsim calc motion --json", CalcMotionDocument),
     "render": ("rigsim render --json", RenderDocument),
     "measure": ("rigsim measure --json", MeasureDocument),
     "export-rig": ("rigsim export rig --json", ExportRigDocument),

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from pydantic import Field
 
-from rigsim.interop.documents.base import Golden, Part, Rig, finite, golden_part, plain_rig
+from rigsim.interop.documents.base import Golden, Part, RemarkPart, Rig, finite, golden_part, plain_rig
 from rigsim.interop.documents.rows import row_model
+from rigsim.rig.remark import Remark
 from rigsim.study.golden.compare import GoldenReport
 from rigsim.study.tolerance.built import percentile_mm
 from rigsim.study.tolerance.columns import HEAD, REST
+from rigsim.study.tolerance.inputs import Tolerances
 from rigsim.study.tolerance.run import DepthErrors, Rigs, ToleranceResult
 from rigsim.study.tolerance.table import quantity_head, quantity_rest
 
@@ -79,6 +82,19 @@ class Interactions(Part):
     """Quantities that act on others; empty when none does, or it was not found out."""
     says: str
     """The same in words; may be empty."""
+
+
+class Motion(Part):
+    """What a time offset between the two pictures acts on."""
+
+    speed_m_s: float
+    """Speed along the baseline, m/s."""
+    forward_speed_m_s: float
+    """Speed straight ahead, m/s."""
+    turn_rate_deg_s: float
+    """How fast the rig turns to the right, deg/s."""
+    moving: Literal["rig", "object"]
+    """What the two speeds are of."""
 
 
 class Recalibration(Part):
@@ -163,12 +179,19 @@ class ToleranceDocument(Part):
     """Null without recalibration."""
     depths: list[Depth]
     """Near to far."""
+    motion: Motion | None
+    """Null where no time offset is among the quantities."""
+    remarks: list[RemarkPart]
+    """What is odd about what was asked."""
     golden: Golden | None
     """Null without --golden and --update."""
 
 
 def tolerance_document(
-    result: ToleranceResult, words: Words, golden: GoldenReport | None = None
+    result: ToleranceResult,
+    words: Words,
+    remarks: Iterable[Remark] = (),
+    golden: GoldenReport | None = None,
 ) -> dict[str, Any]:
     """The study with stable keys and units in their names; null where a number has no bound."""
     both = result.interactions
@@ -195,8 +218,17 @@ def tolerance_document(
         ),
         recalibration=_recalibration(result, words),
         depths=[_depth(item) for item in result.depths],
+        motion=_motion(result.tolerances),
+        remarks=[RemarkPart(code=remark.code, text=remark.text) for remark in remarks],
         golden=golden_part(golden),
     ).model_dump(by_alias=True)
+
+
+def _motion(held: Tolerances) -> Motion | None:
+    if not held.time_offset_ms:
+        return None
+    names = ("speed_m_s", "forward_speed_m_s", "turn_rate_deg_s", "moving")
+    return Motion(**{name: getattr(held, name) for name in names})
 
 
 def required_part(result: ToleranceResult) -> Required:

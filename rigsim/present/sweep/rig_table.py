@@ -19,6 +19,8 @@ from rigsim.study.sweep.result import SweepResult
 Entry: TypeAlias = tuple[str, str, str, str]
 """Parameter, value, unit, meaning."""
 
+_SAME_POSE = 1e-9
+
 
 def rig_table(result: SweepResult) -> PageTable:
     """Parameter, value, unit and meaning of the rig on show."""
@@ -53,6 +55,7 @@ def _geometry(rig: StereoRig) -> list[Entry]:
             "angle between the two optical axes; 0 is parallel",
         ),
     ]
+    entries += _right_camera(rig)
     if rig.doffs_px:
         entries.append(
             (
@@ -63,6 +66,22 @@ def _geometry(rig: StereoRig) -> list[Entry]:
             )
         )
     return entries
+
+
+def _right_camera(rig: StereoRig) -> list[Entry]:
+    """Where the right camera stands and looks, where baseline and vergence do not say it all."""
+    pose = rig.right_from_left
+    plain_pose = StereoRig.verged(rig.left, rig.baseline_m, rig.vergence_deg, right=rig.right).right_from_left
+    off_m = float(np.abs(pose.t - plain_pose.t).max())
+    if float(np.abs(pose.R - plain_pose.R).max()) < _SAME_POSE and off_m < _SAME_POSE * rig.baseline_m:
+        return []
+    there = pose.inverse
+    turns = ", ".join(plain(round(float(np.degrees(there.rotvec_rad[i])), 6) + 0.0) for i in (1, 0, 2))
+    shifts = ", ".join(plain(round(float(there.t[i]) * 1e3, 6) + 0.0) for i in (1, 2))
+    return [
+        ("Right camera turned", turns, "°", "yaw, pitch, roll: + is right, up, clockwise"),
+        ("Right camera shifted", shifts, "mm", "vertical, forward: + is down, forward"),
+    ]
 
 
 def _noise(noise: PixelNoise, triangulator: str) -> list[Entry]:

@@ -13,6 +13,7 @@ from rigsim.present.kit.format import MISSING, number, percent, plain
 from rigsim.present.tolerance.words import (
     informed_sentence,
     interactions_sentence,
+    motion_sentence,
     recalibration_sentence,
     yield_sentence,
 )
@@ -78,6 +79,7 @@ def print_tolerance(result: ToleranceResult, folder: Path | None = None) -> None
         yield_sentence(result),
         informed_sentence(result),
         interactions_sentence(result),
+        motion_sentence(result),
         recalibration_sentence(result),
     ):
         if sentence:

@@ -80,3 +80,23 @@ def recalibration_sentence(result: ToleranceResult) -> str:
         f" {session.length_std_mm:g} mm; no false match, no lens error but the"
         " tolerances' own."
     )
+
+
+def motion_sentence(result: ToleranceResult) -> str:
+    """What a time offset acts on; empty without one."""
+    held = result.tolerances
+    if not held.time_offset_ms:
+        return ""
+    parts = [
+        f"{speed:g} m/s {way}"
+        for speed, way in (
+            (held.speed_m_s, "along the baseline"),
+            (held.forward_speed_m_s, "straight ahead"),
+        )
+        if speed
+    ]
+    moves = [f"the {held.moving} moves at {' and '.join(parts)}"] if parts else []
+    if held.turn_rate_deg_s:
+        moves.append(f"the rig turns at {held.turn_rate_deg_s:g} deg/s")
+    said = ", and ".join(moves) or "nothing moves"
+    return f"During a time offset {said}."

@@ -167,8 +167,8 @@ class Plan:
     """How long one call of a ``package.module:function`` may take; it then runs in a process of its own. None
     runs it in this one."""
     asked: tuple[str, ...] = ()
-    """Columns of the axes that were asked for and say the same as another in other words: tables and pictures
-    follow them."""
+    """Columns of the axes that were asked for and move others with them, or say the same as another in other
+    words: tables and pictures follow them."""
     extra: dict[str, object] = field(default_factory=dict, compare=False)
     """What the caller wants written into the provenance."""
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.perturbation import Perturbation
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 
@@ -25,10 +26,16 @@ class Recipe:
     """Distance between the cameras, m; None for the base's."""
     vergence_deg: float | None = None
     """Toe-in angle, deg; None for the base's pose."""
+    right_moved: Perturbation | None = None
+    """Turns and shifts of the right camera on top of all that; None for none."""
 
     def lenses(self, change: Callable[[Intrinsics], Intrinsics]) -> Recipe:
         """The same with both lenses changed."""
         return replace(self, left=change(self.left), right=change(self.right))
+
+    def moved(self, **turns_and_shifts: float) -> Recipe:
+        """The same with the right camera turned or shifted; the names are `Perturbation`'s fields."""
+        return replace(self, right_moved=replace(self.right_moved or Perturbation(), **turns_and_shifts))
 
     def rig(self) -> StereoRig:
         """The rig.
@@ -36,6 +43,12 @@ class Recipe:
         Raises:
             InvalidRig: there is no such rig.
         """
+        rig = self._before_moving()
+        if self.right_moved is None or self.right_moved == Perturbation():
+            return rig  # bit for bit
+        return StereoRig(rig.left, rig.right, self.right_moved.pose(rig))
+
+    def _before_moving(self) -> StereoRig:
         length = self.base.baseline_m if self.baseline_m is None else self.baseline_m
         if self.vergence_deg is not None:
             return StereoRig.verged(self.left, length, self.vergence_deg, right=self.right)

@@ -13,6 +13,7 @@ import numpy as np
 from rigsim.errors import InvalidRange, InvalidRig
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.lens.distortion import are_brown
+from rigsim.rig.motion import MOVING
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance.batch import PARAMETERS
 
@@ -59,8 +60,9 @@ class Tolerances:
     Most are those of `rigsim.rig.perturbation.Perturbation`; more are of the lenses: the right principal
     point's v, a focal length that both cameras share, in px of the left one (the right one grows in
     proportion), and what is off in the left camera alone. The last two come after a calibration
-    and move the baseline: an object that passes at `speed_m_s` moves on by ``speed x time offset`` between
-    the two pictures, and the bar between the cameras grows by ``baseline x expansion x temperature``.
+    and move the right camera: rig or object move on by ``speed x time offset`` between the two pictures
+    (`rigsim.rig.motion.Motion`), and the bar between the cameras grows by ``baseline x expansion x
+    temperature``.
     """
 
     yaw_deg: float = 0.0
@@ -82,7 +84,13 @@ class Tolerances:
     time_offset_ms: float = 0.0
     temperature_k: float = 0.0
     speed_m_s: float = 1.0
-    """Speed of the object along the baseline, m/s: no tolerance, but what a time offset acts on."""
+    """Speed along the baseline, m/s: no tolerance, but what a time offset acts on, as the next three."""
+    forward_speed_m_s: float = 0.0
+    """Speed straight ahead, m/s."""
+    turn_rate_deg_s: float = 0.0
+    """How fast the rig turns to the right, deg/s."""
+    moving: str = "object"
+    """What the speeds are of: ``object`` or ``rig``."""
     expansion_per_k: float = 23e-6
     """Relative growth of the baseline per kelvin: aluminium's by default."""
     distribution: str = "normal"
@@ -100,9 +108,12 @@ class Tolerances:
         unknown = sorted({*self.bounds, *(key for key, _ in self.sources)} - set(QUANTITIES))
         if unknown:
             raise InvalidRange(f"tolerance {unknown[0]!r}: choose one of {', '.join(QUANTITIES)}")
+        if self.moving not in MOVING:
+            raise InvalidRange(f"moving {self.moving!r}: choose one of {', '.join(MOVING)}")
         for item in fields(self):
             value = getattr(self, item.name)
-            if isinstance(value, (int, float)) and not (math.isfinite(value) and value >= 0):
+            signed = item.name in ("forward_speed_m_s", "turn_rate_deg_s") and math.isfinite(value)
+            if isinstance(value, (int, float)) and not (signed or (math.isfinite(value) and value >= 0)):
                 raise InvalidRange(f"tolerance {item.name} {value:g}: must be a finite number >= 0")
 
     def is_bound(self, key: str) -> bool:
@@ -206,8 +217,29 @@ def _effect(rig: StereoRig, tolerances: Tolerances, key: str) -> Array:
         # principal points that are off alike turn the whole rig: only their difference moves depths
         "left_cx_px": {"right_cx_px": -rig.right.fx / rig.left.fx},
         "left_cy_px": {"right_cy_px": -rig.right.fy / rig.left.fy},
-        # the object moves on while the right camera waits: as if that one stood nearer
-        "time_offset_ms": {"baseline_m": -1e-3 * tolerances.speed_m_s},
+        "time_offset_ms": _late(rig, tolerances),
         "temperature_k": {"baseline_m": tolerances.expansion_per_k * rig.baseline_m},
     }.get(key, {key: 1.0})
     return np.array([changes.get(name, 0.0) for name in PARAMETERS])
+
+
+def _late(rig: StereoRig, tolerances: Tolerances) -> dict[str, float]:
+    """What a right picture that is one ms late does to the right camera, to first order in the time.
+
+    An object that moves on while it waits is as if it stood nearer; a rig that moves carries it on.
+    """
+    way, second = 1.0 if tolerances.moving == "rig" else -1.0, 1e-3
+    rig_from_left, left_from_right = rig.rig_from_left, rig.right_from_left.inverse
+    along, down, ahead = left_from_right.t / rig.baseline_m, np.eye(3)[1], np.eye(3)[2]
+    found = {"baseline_m": way * second * tolerances.speed_m_s}
+    if tolerances.forward_speed_m_s or tolerances.turn_rate_deg_s:
+        turn = rig_from_left.R.T @ down * (second * math.radians(tolerances.turn_rate_deg_s))
+        # about the middle of the baseline
+        swing = np.cross(turn, left_from_right.t / 2)
+        forward = rig_from_left.R.T @ ahead * (way * second * tolerances.forward_speed_m_s)
+        parts = np.linalg.lstsq(np.column_stack([along, down, ahead]), swing + forward, rcond=None)[0]
+        pitch, yaw, roll = left_from_right.R.T @ turn
+        found["baseline_m"] += float(parts[0])
+        found |= {"vertical_m": float(parts[1]), "axial_m": float(parts[2])}
+        found |= {"pitch_rad": float(pitch), "yaw_rad": float(yaw), "roll_rad": float(roll)}
+    return found

@@ -17,6 +17,7 @@ from rigsim.study.scene.axes import (
     vergence,
 )
 from rigsim.study.scene.axes.axis import Axis
+from rigsim.study.scene.axes.right_camera import forward, pitch, roll, vertical, yaw
 
 if TYPE_CHECKING:
     from rigsim.rig.noise import PixelNoise
@@ -28,6 +29,11 @@ ALL: tuple[Axis, ...] = (
     hfov.AXIS,
     resolution.AXIS,
     vergence.AXIS,
+    yaw.AXIS,
+    pitch.AXIS,
+    roll.AXIS,
+    vertical.AXIS,
+    forward.AXIS,
     noise.AXIS,
     triangulator.AXIS,
     sensor.AXIS,
