@@ -10,8 +10,8 @@ import numpy as np
 
 from rigsim.errors import InvalidRange
 from rigsim.rig.arrays import Array
-from rigsim.rig.perturbation import NAMES
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.tolerance.batch import PARAMETERS
 from rigsim.study.tolerance.classes import CLASSES, ToleranceClass
 from rigsim.study.tolerance.inputs import (
     DISTRIBUTIONS,
@@ -25,7 +25,7 @@ from rigsim.study.tolerance.inputs import (
 )
 from rigsim.study.tolerance.judge import make_judge
 from rigsim.study.tolerance.needed import needed_alone, needed_at_equal_shares
-from rigsim.theory.sensitivity import depth_sensitivity
+from rigsim.theory.sensitivity import pixel_moves
 from rigsim.theory.uncertainty import pixel_gain
 
 __all__ = [
@@ -118,16 +118,8 @@ def first_order(rig: StereoRig, off: Causes, points: Array) -> Array:
 
 def depth_slopes(rig: StereoRig, points: Array, off: Causes) -> Array:
     """Depth error (m, p) m of `points` (m, 3) m per unit of each of `PARAMETERS`, of those that are off."""
-    table = depth_sensitivity(rig, points)
-    gain = pixel_gain(rig, points)[:, 2]
-    # what Perturbation has no field for: the right image moves down, or both images grow by the same share
-    grown = np.zeros(len(points))
-    for camera, uv, moves in zip(
-        (rig.left, rig.right), rig.project(points), (slice(2), slice(2, 4)), strict=True
-    ):
-        grown += np.einsum("ni,ni->n", gain[:, moves], uv - (camera.cx, camera.cy)) / rig.left.fx
-    columns = [*(table[name] for name in NAMES), gain[:, 3], grown]
-    slopes = np.stack(columns, axis=1)
+    gain, moves = pixel_gain(rig, points)[:, 2], pixel_moves(rig, points)
+    slopes = np.stack([np.einsum("ni,ni->n", gain, moves[name]) for name in PARAMETERS], axis=1)
     slopes[:, ~off.effect.any(axis=0)] = 0.0  # a lens without k1 has no effect of it, not even one of 0
     return slopes
 
