@@ -24,7 +24,8 @@ from rigsim.study.tolerance.inputs import (
     with_values,
 )
 from rigsim.study.tolerance.judge import make_judge
-from rigsim.study.tolerance.needed import needed_alone, needed_at_equal_shares
+from rigsim.study.tolerance.needed import Held, needed_alone, needed_at_equal_shares
+from rigsim.study.tolerance.rows import first_order_rows, rms_px
 from rigsim.theory.sensitivity import pixel_moves
 from rigsim.theory.uncertainty import pixel_gain
 
@@ -69,6 +70,10 @@ class Sensitivity:
     """Standard deviation over the image of the rest."""
     share: float
     """Share of the variance at the judged depth."""
+    row_px: float
+    """Root mean square row misalignment over the image at the judged depth, px."""
+    row_largest_px: float
+    """The largest of that over the depths, px."""
     needed_alone: float
     """Tolerance with which 95 of 100 rigs are good, noise included, when nothing else is off; infinite
     without effect, 0 where noise alone is too much."""
@@ -92,9 +97,13 @@ def sensitivities(
     rms = {depth: np.sqrt((errors**2).mean(axis=0)) for depth, errors in per_plane.items()}
     judged, judged_rms = per_plane[required.depth_m], rms[required.depth_m]
     shares = judged_rms**2 / (judged_rms**2).sum()
+    rows = {depth: first_order_rows(rig, off, points) for depth, points in planes.items()}
+    row_rms = {depth: rms_px(errors.T) for depth, errors in rows.items()}
+    largest = np.max(list(row_rms.values()), axis=0)
     judge = make_judge(rig, planes[required.depth_m], required, noise_px)
-    alone = needed_alone(judged, off.even, judge) * off.values
-    together = needed_at_equal_shares(judged, off.even, judge) * off.values
+    held = Held(judged, off.even, judge, tuple(rows.values()))
+    alone = needed_alone(held) * off.values
+    together = needed_at_equal_shares(held) * off.values
     found = [
         Sensitivity(
             key=key,
@@ -103,6 +112,8 @@ def sensitivities(
             common_mm=float(judged[:, i].mean()) * 1e3,
             differing_mm=float(judged[:, i].std()) * 1e3,
             share=float(shares[i]),
+            row_px=float(row_rms[required.depth_m][i]),
+            row_largest_px=float(largest[i]),
             needed_alone=float(alone[i]),
             needed_equal_share=float(together[i]),
         )
