@@ -40,6 +40,16 @@ class Held:
         return np.asarray(np.max([np.sqrt((rows**2).mean(axis=0)) for rows in self.rows], axis=0))
 
     @property
+    def that_move_rows(self) -> Ids:
+        """Places of the quantities that a bound on rows holds."""
+        return np.flatnonzero(self.row_rms > 1e-9 * self.row_rms.max()).astype(np.int32)
+
+    @property
+    def noise_allows(self) -> bool:
+        """Whether a rig without any build error is good."""
+        return bool(self.judge.is_good(self.judge.z[None])[0])
+
+    @property
     def row_limit_px(self) -> float:
         """The bound on rows, px."""
         return math.inf if self.judge.required.row_px is None else self.judge.required.row_px
@@ -52,8 +62,9 @@ def needed_alone(held: Held) -> Array:
     """
     # 95 of 100 deviations are smaller than this, in standard deviations
     reach = np.where(held.even, GOOD * math.sqrt(3), ndtri((1 + GOOD) / 2))
-    with np.errstate(divide="ignore"):
-        found = np.where(held.row_rms > 0, held.row_limit_px / (held.row_rms * reach), np.inf)
+    found = np.full(held.errors.shape[1], np.inf)
+    by_rows = held.that_move_rows
+    found[by_rows] = held.row_limit_px / (held.row_rms * reach)[by_rows] if held.noise_allows else 0.0
     for k in _that_matter(held.errors):
         ends = np.stack([held.errors[:, k], -held.errors[:, k]]) * reach[k]
         found[k] = min(found[k], _largest_factor(ends, held.judge, 1.0))
@@ -74,9 +85,12 @@ def needed_at_equal_shares(held: Held) -> Array:
     # a metre of root mean square from each; points lie evenly, and so do the first of them
     fields = off[:, matter] @ (errors[:_POINTS, matter] / rms[matter]).T
     found[matter] = _largest_factor(fields, judge.at_first(_POINTS), GOOD) / rms[matter]
-    if not held.row_rms.any() or not found[matter].any():
+    by_rows = held.that_move_rows
+    if not len(by_rows):
         return found
-    by_rows = np.flatnonzero(held.row_rms > 1e-9 * held.row_rms.max())
+    if not held.noise_allows:
+        found[by_rows] = 0.0
+        return found
     unit = [rows[:_POINTS, by_rows] / held.row_rms[by_rows] for rows in held.rows]
     largest = _worst_row_px(off[:, by_rows], unit)
     found[by_rows] = np.minimum(

@@ -23,7 +23,7 @@ _OF_LEFT = ("left_cx_px", "left_cy_px")
 
 
 def row_slopes(rig: StereoRig, points: Array, off: Causes) -> Array:
-    """Row misalignment (m, p) px of points (m, 3) m per unit of each of `PARAMETERS`, of those that are off."""
+    """Row misalignment (m, p) px of points (m, 3) m per unit of each of `PARAMETERS` that is off."""
     return _slopes_of(row_sensitivity(rig, points), off)
 
 
@@ -52,7 +52,7 @@ def row_errors_px(batch: RigBatch, rays: Rays) -> Array:
     if rig.is_rectified:
         focal_px = focal_px * rig.left.fy / ((rig.left.fx + rig.left.fy) / 2)
     turned = np.einsum("nij,nj->ni", batch.R, across), np.einsum("nij,nj->ni", batch.R, forward)
-    return focal_px * (_over(*rays.right, *turned) - _over(*rays.left, across, forward))
+    return np.asarray(focal_px * (_over(*rays.right, *turned) - _over(*rays.left, across, forward)))
 
 
 def _over(x: Array, y: Array, across: Array, forward: Array) -> Array:
