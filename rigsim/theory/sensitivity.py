@@ -18,9 +18,9 @@ from rigsim.rig.perturbation import NAMES
 from rigsim.rig.stereo import StereoRig
 from rigsim.theory.uncertainty import pixel_gain
 
-MORE = ("right_cy_px", "both_focal_px", "left_cx_px", "left_cy_px")
-"""Quantities of `pixel_moves` that `Perturbation` has no field for; `both_focal_px` is px of the left fx, and
-all focal lengths grow in proportion."""
+MORE = ("right_cy_px", "both_focal_px", "left_focal_px", "left_cx_px", "left_cy_px")
+"""Quantities of `pixel_moves` that `Perturbation` has not; `left_focal_px` and `both_focal_px` are px
+of the left fx, and the other focal lengths grow in proportion."""
 
 
 def depth_sensitivity(rig: StereoRig, points_left: npt.ArrayLike) -> dict[str, Array]:
@@ -77,6 +77,7 @@ def pixel_moves(rig: StereoRig, points: Array) -> dict[str, Array]:
     found = {name: np.hstack([still, move]) for name, move in seen.items()}
     found["both_k1"] = np.hstack([k1_left, k1_right])
     found["both_focal_px"] = np.hstack([from_centre_left, from_centre]) / rig.left.fx
+    found["left_focal_px"] = np.hstack([from_centre_left, still]) / rig.left.fx
     found["left_cx_px"], found["left_cy_px"] = np.hstack([along_u, still]), np.hstack([along_v, still])
     return found
 

@@ -19,7 +19,7 @@ from rigsim.study.tolerance.batch import PARAMETERS, Rays, RigBatch
 from rigsim.study.tolerance.inputs import Causes
 from rigsim.theory.rows import row_axes, row_sensitivity
 
-_OF_LEFT = ("left_cx_px", "left_cy_px")
+_OF_LEFT = ("left_focal_px", "left_cx_px", "left_cy_px")
 
 
 def row_slopes(rig: StereoRig, points: Array, off: Causes) -> Array:
@@ -31,7 +31,8 @@ def first_order_rows(rig: StereoRig, off: Causes, points: Array) -> Array:
     """Row misalignment (m, q) px of each quantity, off by one standard deviation."""
     of_all = row_sensitivity(rig, points)
     found = _slopes_of(of_all, off) @ off.effect.T
-    # to a depth the left principal point's error is the right one's; to rows only where axes are parallel
+    # `Causes` takes the left lens's errors for the right one's, as they are to a depth; to rows they are so
+    # only where axes are parallel
     for place, key in enumerate(off.keys):
         if key in _OF_LEFT:
             found[:, place] = of_all[key]
