@@ -31,6 +31,7 @@ from .sim.simulator import Simulator as Simulator
 from .study.scene.plan import Plan as Plan
 from .study.scene.plan import RigGrid as RigGrid
 from .study.sweep.result import SweepResult as SweepResult
+from .theory.rows import row_sensitivity as row_sensitivity
 from .theory.sensitivity import depth_sensitivity as depth_sensitivity
 from .theory.triangulation import triangulate as triangulate
 from .theory.uncertainty import depth_bounds as depth_bounds

@@ -148,6 +148,8 @@ def design(options: DesignOptions) -> Designed:
             `sensors` what is measured in pictures taken with them.
         disparity_noise_px: Standard deviation of a disparity, px, instead: sqrt(2) times as much.
         build_share: Share of that error's variance that noise leaves for errors of mounting and calibration.
+        max_row_error_px: Largest row misalignment of a built rig's rectified pair, root mean square over the
+            image, at every distance of the range, px: counted in the yields; any by default.
         resolutions_px: Image sizes to try, (width, height), px; `sensors` are scaled down to them.
         sensors: Names of sensors to try.
         pixel_pitch_um: Pixel pitch of cameras without a sensor's name, micrometres.

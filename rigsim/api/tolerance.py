@@ -37,6 +37,7 @@ class ToleranceOptions:
     depth_error_mm: float | None = None
     depth_error_pct: float | None = None
     at_m: float | None = None
+    max_row_error_px: float | None = None
     range_m: tuple[float, float] = (1.0, 5.0)
     tolerance_class: str = "machined"
     tolerances: Mapping[str, float] | None = None
@@ -150,6 +151,8 @@ def tolerance(options: ToleranceOptions) -> Toleranced:
         depth_error_mm: Largest root mean square depth error of one rig over the image and its noise, mm.
         depth_error_pct: The same in percent of the distance, instead; 1 where neither is given.
         at_m: Its distance, m; the far end by default.
+        max_row_error_px: Largest row misalignment of one rig's rectified pair as well, root mean square over
+            the image, at every distance of the range, px; any by default.
         range_m: Working range, (near, far), m.
         tolerance_class: printed, machined, calibrated, or none.
         tolerances: Single tolerances in place of the class's, by name with unit, as ``{"yaw_deg": 0.05}``:
@@ -228,7 +231,10 @@ def _required(options: ToleranceOptions, far_m: float) -> BuildRequirement:
     if asked.pct is not None and not asked.pct < 100:
         raise InvalidRange(f"depth error {asked.pct:g} %: must be < 100 %")
     at_m = far_m if asked.at_m is None else asked.at_m
-    return BuildRequirement(asked.error_m(at_m), at_m)
+    row_px = options.max_row_error_px
+    return BuildRequirement(
+        asked.error_m(at_m), at_m, row_px=None if row_px is None else given.real(row_px, "max_row_error_px")
+    )
 
 
 def _held(options: ToleranceOptions, rig: StereoRig) -> Tolerances:

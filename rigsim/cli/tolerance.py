@@ -15,7 +15,7 @@ from rigsim.cli.kit.answer import claim, deliver
 from rigsim.cli.kit.golden import GoldenWords, held, leave_where_moved
 from rigsim.cli.kit.options import Json, takes, takes_rig
 from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
-from rigsim.cli.kit.tolerances import ToleranceWord, tolerance_values
+from rigsim.cli.kit.tolerances import MaxRowError, ToleranceWord, row_error, tolerance_values
 from rigsim.errors import InvalidRange
 
 _LENGTHS = quantity.BASELINE.factors
@@ -39,6 +39,7 @@ class ToleranceWords:
             " at the far end by default.",
         ),
     ] = "1%"
+    max_row_error: MaxRowError = None
     depth_range: Annotated[
         str, typer.Option("--range", metavar="NEAR:FAR", help="Working range: 0.5:3m.")
     ] = "1:5m"
@@ -106,7 +107,8 @@ class ToleranceWords:
 def tolerance(options: RigOptions, words: ToleranceWords, golden: GoldenWords) -> None:
     """Rank a rig's tolerances by what they do to the depth, and count the built rigs that are good.
 
-    A rig is good when its own depth error, of its build and its pixel noise, meets the requirement.
+    A rig is good when its own depth error, of its build and its pixel noise, meets the requirement, and with
+    --max-row-error its rows do as well.
     """
     near_m, far_m = _range(words.depth_range)
     asked = _requirement(words.depth_error)
@@ -120,6 +122,7 @@ def tolerance(options: RigOptions, words: ToleranceWords, golden: GoldenWords) -
     result = run(
         rig,
         **asked,
+        max_row_error_px=row_error(words.max_row_error),
         range_m=(near_m, far_m),
         tolerance_class=words.class_name,
         tolerances=values,

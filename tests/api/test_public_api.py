@@ -130,6 +130,8 @@ def test_numpy_numbers_make_cameras() -> None:
         lambda value: rigsim.triangulate(RIG, [[1, 1]], [[0, 1]], value),
         lambda value: rigsim.depth_sensitivity(value, POINT),
         lambda value: rigsim.depth_sensitivity(RIG, value),
+        lambda value: rigsim.row_sensitivity(value, POINT),
+        lambda value: rigsim.row_sensitivity(RIG, value),
         lambda value: rigsim.parallax_px(RIG, value),
         lambda value: rigsim.depth_bounds(RIG, value, 1.0),
         *(lambda value, predict=predict: predict(value, POINT, 0.25) for predict in PREDICTIONS),

@@ -11,7 +11,7 @@ from rigsim.api.kit.asked import DepthError, depth_errors
 from rigsim.api.rigs import Several, Sizes
 from rigsim.errors import InvalidRange
 from rigsim.rig import given
-from rigsim.study.design.buildable import Builder
+from rigsim.study.design.buildable import Builder, judged_by
 from rigsim.study.design.solve import PRIOR_NOISE_PX, Specification, specify
 from rigsim.study.saying import saying
 from rigsim.study.tolerance.sensitivities import Tolerances, with_values
@@ -45,6 +45,7 @@ class DesignOptions:
     noise_px: float | None = None
     disparity_noise_px: float | None = None
     build_share: float = 0.5
+    max_row_error_px: float | None = None
     resolutions_px: Sizes = ()
     sensors: str | Sequence[str] = ()
     lenses_mm: Several = ()
@@ -104,6 +105,10 @@ def specified(options: DesignOptions) -> Specification:
         build_share=given.real(options.build_share, "build_share"),
     )
     specification = replace(specification, builder=_builder(options))
+    if options.max_row_error_px is not None:
+        row_px = given.real(options.max_row_error_px, "max_row_error_px")
+        specification = replace(specification, row_px=row_px)
+        judged_by(specification)  # refuses what cannot be
     if noise_px is not None:
         return specification
     return replace(specification, noise_source="assumed", noise_from=saying("assumed: none-given"))

@@ -16,7 +16,7 @@ from rigsim.cli.kit.cover import CoverWords
 from rigsim.cli.kit.golden import GoldenWords, held, leave_where_moved
 from rigsim.cli.kit.options import DisparityNoise, takes
 from rigsim.cli.kit.sensors import Blur, FullWell, ImageNoise, ReadNoise, sensor_words
-from rigsim.cli.kit.tolerances import ToleranceWord, tolerance_values
+from rigsim.cli.kit.tolerances import MaxRowError, ToleranceWord, row_error, tolerance_values
 
 _BODY = quantity.QuantityKind("body width", "mm", quantity.BASELINE.factors, at_least=0)
 
@@ -64,6 +64,7 @@ class DesignWords:
             "50%, or 0% for cameras that have none.",
         ),
     ] = "50%"
+    max_row_error: MaxRowError = None
     max_baseline: Annotated[
         str | None, typer.Option(metavar="LENGTH", help="Longest baseline: 150 (mm), 0.15m.")
     ] = None
@@ -249,5 +250,6 @@ def _required(words: DesignWords, near_m: float, far_m: float) -> dict[str, Any]
         found["disparity_noise_px"] = quantity.value(words.disparity_noise, quantity.NOISE)
     if words.nearest_focus is not None:
         found["nearest_focus_m"] = read.metres(words.nearest_focus, "nearest focus")
+    found["max_row_error_px"] = row_error(words.max_row_error)
     found["build_share"] = read.build_share(words.build_share)
     return found

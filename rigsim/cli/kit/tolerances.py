@@ -23,11 +23,22 @@ ToleranceWord = Annotated[
     ),
 ]
 
+MaxRowError = Annotated[
+    str | None,
+    typer.Option(
+        metavar="PX",
+        help="Largest row misalignment of one rig's rectified pair as well, root mean square over the image,"
+        " at every distance of the range: 0.5px, for a matcher that searches along rows.",
+    ),
+]
+
 _ANGLES = quantity.YAW.factors
 _LENGTHS = quantity.BASELINE.factors
 _PIXELS = quantity.NOISE.factors
 _PLAIN = MappingProxyType({"": Fraction(1)})
 _TIMES = quantity.TIMES
+
+_ROW_ERROR = quantity.QuantityKind("row error", "px", _PIXELS, above=0)
 
 
 def _kind(name: str, unit: str, factors: Mapping[str, Fraction]) -> quantity.QuantityKind:
@@ -54,6 +65,11 @@ _KINDS: dict[str, tuple[str, quantity.QuantityKind]] = {
     "time": ("time_offset_ms", _kind("time", "ms", _TIMES)),
     "temperature": ("temperature_k", _kind("temperature", "K", {"K": Fraction(1)})),
 }
+
+
+def row_error(text: str | None) -> float | None:
+    """The largest row misalignment, px; None for any."""
+    return None if text is None else quantity.value(text, _ROW_ERROR)
 
 
 def tolerance_values(words: list[str]) -> tuple[dict[str, float], set[str]]:

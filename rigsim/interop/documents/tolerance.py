@@ -24,6 +24,9 @@ class Words(Protocol):
     def interactions_sentence(self, result: ToleranceResult) -> str:
         """Whether quantities act on one another; empty where that was not asked."""
 
+    def rows_sentence(self, result: ToleranceResult) -> str:
+        """How far apart rows are, as built and after recalibration."""
+
     def recalibration_sentence(self, result: ToleranceResult) -> str:
         """What the recalibration has to work with; empty without one."""
 
@@ -37,6 +40,8 @@ class Required(Part):
     """At this distance, mm."""
     statistic: Literal["rms", "p95"]
     """Its root mean square, or what 95 of 100 errors stay under."""
+    row_px: float | None
+    """Largest RMS row misalignment of a rig over the image, at every distance, px; null for any."""
 
 
 class Yield(Part):
@@ -73,6 +78,25 @@ else:
         """RMS depth error that it makes alone at each of the distances, mm."""
 
     Quantity = row_model("Quantity", "One quantity that is held within a tolerance.", REST, _Errors)
+
+
+class Rows(Part):
+    """How far right rows are off left ones where that is most, root mean square over rigs and image."""
+
+    distance_mm: float
+    """The distance where it is most, mm."""
+    as_built_px: float | None
+    """In the pair that the calibration it was meant to have rectifies, px; null where no rows correspond."""
+    not_rectified_px: float | None
+    """In the images as they are seen, px."""
+    recalibrated_px: float | None
+    """After a recalibration that does not use the tolerances, px; null without it."""
+    recalibrated_informed_px: float | None
+    """After one that knows the tolerances beforehand, px; null without it."""
+    kept: Yield | None
+    """Share of the rigs that keep the row misalignment asked for, at every distance; null for any."""
+    says: str
+    """The same in words."""
 
 
 class Interactions(Part):
@@ -155,6 +179,24 @@ class Depth(Part):
     """Median after it, with pixel noise, mm."""
     informed_with_noise_p95_mm: float | None
     """95th percentile after it, with pixel noise, mm."""
+    first_order_row_px: float | None
+    """RMS row misalignment over rigs and image as built, first order, px; null where no rows correspond."""
+    simulated_row_px: float | None
+    """The same simulated, px."""
+    not_rectified_row_px: float | None
+    """The same in the images as they are seen, px."""
+    per_rig_row_p50_px: float | None
+    """Median over rigs of the RMS row misalignment of each, px."""
+    per_rig_row_p95_px: float | None
+    """95th percentile over rigs, px."""
+    recalibrated_row_p50_px: float | None
+    """Median after a recalibration that does not use the tolerances, px; null without it."""
+    recalibrated_row_p95_px: float | None
+    """95th percentile after it, px."""
+    informed_row_p50_px: float | None
+    """Median after a recalibration that knows the tolerances beforehand, px; null without it."""
+    informed_row_p95_px: float | None
+    """95th percentile after it, px."""
 
 
 class ToleranceDocument(Part):
@@ -174,6 +216,7 @@ class ToleranceDocument(Part):
     """As if pixels had no noise."""
     quantities: list[Quantity]
     """The worst first."""
+    rows: Rows
     interactions: Interactions
     recalibration: Recalibration | None
     """Null without recalibration."""
@@ -212,6 +255,7 @@ def tolerance_document(
             recalibrated_informed=_share_if(result.judged.informed),
         ),
         quantities=quantities_part(result),
+        rows=_rows(result, words),
         interactions=Interactions(
             noticed=[] if both is None else [both.keys[place] for place in both.error.noticed],
             says=words.interactions_sentence(result),
@@ -238,6 +282,7 @@ def required_part(result: ToleranceResult) -> Required:
         depth_error_mm=asked.error_m * 1e3,
         distance_mm=asked.depth_m * 1e3,
         statistic="p95" if asked.p95 else "rms",
+        row_px=asked.row_px,
     )
 
 
@@ -251,6 +296,28 @@ def quantities_part(result: ToleranceResult) -> list[Quantity]:
         )
         for item in result.sensitivities
     ]
+
+
+def _rows(result: ToleranceResult, words: Words) -> Rows:
+    worst, limit_px = result.rows_worst, result.required.row_px
+    states = [result.rows_px(state) for state in ("built", "recalibrated", "informed")]
+    kept = None
+    if limit_px is not None:
+        shares = [None if rows is None else float((rows <= limit_px).mean()) for rows in states]
+        kept = Yield(as_built=shares[0] or 0.0, recalibrated=shares[1], recalibrated_informed=shares[2])
+    return Rows(
+        distance_mm=worst.depth_m * 1e3,
+        as_built_px=finite(worst.built.row_rms_px),
+        not_rectified_px=finite(worst.row_as_seen_px),
+        recalibrated_px=_row_px(worst.recalibrated),
+        recalibrated_informed_px=_row_px(worst.informed),
+        kept=kept,
+        says=words.rows_sentence(result),
+    )
+
+
+def _row_px(rigs: Rigs | None) -> float | None:
+    return None if rigs is None else finite(rigs.row_rms_px)
 
 
 def _recalibration(result: ToleranceResult, words: Words) -> Recalibration | None:
@@ -296,6 +363,10 @@ def _depth(item: DepthErrors) -> Depth:
                 spread[f"{head}_p{level}_mm"] = (
                     None if errors is None else finite(percentile_mm(errors, level))
                 )
+        for level in (50, 95):
+            spread[f"{name}_row_p{level}_px"] = (
+                None if rigs is None else finite(percentile_mm(rigs.row_px, level))
+            )
     return Depth(
         distance_mm=item.depth_m * 1e3,
         noise_mm=item.noise_mm,
@@ -303,5 +374,8 @@ def _depth(item: DepthErrors) -> Depth:
         simulated_rms_mm=finite(item.rms_mm),
         first_over_simulated=item.first_over_simulated,
         flagged=item.parts,
+        first_order_row_px=finite(item.first_order_row_px),
+        simulated_row_px=finite(item.built.row_rms_px),
+        not_rectified_row_px=finite(item.row_as_seen_px),
         **spread,
     )

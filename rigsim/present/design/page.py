@@ -22,7 +22,13 @@ from rigsim.present.design.words import noise as noise_from
 from rigsim.present.kit import style
 from rigsim.present.kit.format import count, with_error
 from rigsim.present.kit.page import Cover, data_uri, fill
-from rigsim.present.tolerance.console import quantity_heads, quantity_rows, tolerance_figure
+from rigsim.present.tolerance.console import (
+    quantity_heads,
+    quantity_rows,
+    row_heads,
+    row_rows,
+    tolerance_figure,
+)
 from rigsim.rig.catalogue.sensors import sensor_preset
 from rigsim.study.design import words as words
 from rigsim.study.design.proof import Proof, recommended
@@ -93,8 +99,11 @@ def _tolerance_part(tolerance: DesignTolerance) -> dict[str, Any]:
         "about": CLASSES[tolerance.class_name].about,
         "required": f"{words.size(required_m)} at {at}",
         "statistic": "the 95th percentile of its errors" if result.required.p95 else "the root mean square",
-        "heads": [head.replace("\n", " ") for head in quantity_heads(result)],
-        "rows": quantity_rows(result),
+        "heads": [head.replace("\n", " ") for head in _with_rows(quantity_heads(result), row_heads(result))],
+        "rows": [
+            _with_rows(of_depth, of_rows)
+            for of_depth, of_rows in zip(quantity_rows(result), row_rows(result), strict=True)
+        ],
         "yields": [
             (
                 item.name,
@@ -106,6 +115,11 @@ def _tolerance_part(tolerance: DesignTolerance) -> dict[str, Any]:
         "n_rigs": count(result.n_rigs),
         "figure": Markup(style.to_svg(tolerance_figure(result), "tolerance", "Tolerances of the rig")),
     }
+
+
+def _with_rows(of_depth: Sequence[str], of_rows: Sequence[str]) -> tuple[str, ...]:
+    """Cells of the ranked table, with those of the rows before the unit."""
+    return (*of_depth[:-1], *of_rows, of_depth[-1])
 
 
 def _counted(found: Count) -> str:

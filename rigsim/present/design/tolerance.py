@@ -58,13 +58,16 @@ def _must_hold(tolerance: DesignTolerance) -> str:
     result, asked = tolerance.result, tolerance.asked
     p95 = " (p95)" if asked.is_p95 else ""
     kept = f"{words.value(asked, asked.limit)}{p95} at {words.distance(asked.depth_m)}"
-    worst = [item for item in result.sensitivities if math.isfinite(item.needed_equal_share)][:2]
+    worst = [item for item in result.sensitivities if math.isfinite(item.needed_equal_share)]
+    if result.required.row_px is not None:
+        kept += f", and rows within {result.required.row_px:g} px at every distance"
+        worst.sort(key=lambda item: item.needed_equal_share / item.tolerance)
     if not worst or worst[0].needed_equal_share == 0:
         return f"Pixel noise alone exceeds {kept}: no build can meet it."
     hold = " and ".join(
         f"{QUANTITIES[item.key]} to {'±' * result.tolerances.is_bound(item.key)}"
         f"{item.needed_equal_share:.2g} {UNITS[item.key]}".rstrip()
-        for item in worst
+        for item in worst[:2]
     )
     return (
         f"For 95 of 100 rigs to stay within {kept}, pixel noise included, hold {hold} (when all quantities "

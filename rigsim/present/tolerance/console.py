@@ -15,6 +15,7 @@ from rigsim.present.tolerance.words import (
     interactions_sentence,
     motion_sentence,
     recalibration_sentence,
+    rows_sentence,
     yield_sentence,
 )
 from rigsim.study.tolerance import columns as col
@@ -30,19 +31,25 @@ _HEIGHT_IN = 3.6
 
 def print_tolerance(result: ToleranceResult, folder: Path | None = None) -> None:
     """Print the ranked table, the built rigs at each depth, and how many meet the requirement."""
+    row_px = result.required.row_px
     print_table(
         f"Each quantity alone: depth error, mm, first order; what it takes for 95 of 100 rigs to stay within"
         f" {plain(result.required.error_m * 1e3)} mm at {plain(result.required.depth_m)} m"
-        + (" with their noise" if result.noise_px else ""),
+        + (" with their noise" if result.noise_px else "")
+        + (f", and their rows within {plain(row_px)} px" if row_px is not None else ""),
         quantity_heads(result),
         quantity_rows(result),
         numeric=quantity_numeric(result),
     )
+    at = f"{plain(result.required.depth_m)} m"
     print_table(
-        f"Shares of the variance at {plain(result.required.depth_m)} m, %, and where tolerances come from",
-        variance_heads(),
-        variance_rows(result),
-        numeric=(False, True, True, True, True, False),
+        f"Row misalignment each makes, px, shares of the variance at {at}, %, and where tolerances come from",
+        (_head(col.QUANTITY), *row_heads(result), *variance_heads()[1:]),
+        [
+            (row[0], *rows, *row[1:])
+            for row, rows in zip(variance_rows(result), row_rows(result), strict=True)
+        ],
+        numeric=(False, True, True, True, True, True, True, False),
     )
     print_table(
         f"{result.n_rigs} rigs built within tolerance: depth error over the image, mm; rigs with pixel noise",
@@ -74,10 +81,12 @@ def print_tolerance(result: ToleranceResult, folder: Path | None = None) -> None
         ],
         numeric=(*[True] * 8, False),
     )
+    _print_rows(result)
     console = make_console()
     for sentence in (
         yield_sentence(result),
         informed_sentence(result),
+        rows_sentence(result),
         interactions_sentence(result),
         motion_sentence(result),
         recalibration_sentence(result),
@@ -137,6 +146,50 @@ def quantity_rows(result: ToleranceResult) -> list[tuple[str, ...]]:
 def quantity_numeric(result: ToleranceResult) -> tuple[bool, ...]:
     """Which of the ranked table's columns stand right."""
     return (False, *[True] * (6 + len(result.depths)), False)
+
+
+def row_heads(result: ToleranceResult) -> tuple[str, str]:
+    """Heads of what each quantity does to the rows."""
+    near, far = result.depths[0].depth_m, result.depths[-1].depth_m
+    at = f"{plain(result.required.depth_m)} m"
+    return f"{_head(col.ROW)}\nat {at}", f"{_head(col.ROW_LARGEST)}\n{plain(near)} to {plain(far)} m"
+
+
+def row_rows(result: ToleranceResult) -> list[tuple[str, str]]:
+    """Row misalignment of each quantity, px, at the judged distance and at most; the worst quantity first."""
+    return [(_px(item.row_px), _px(item.row_largest_px)) for item in result.sensitivities]
+
+
+def _px(value: float) -> str:
+    if not math.isfinite(value):
+        return MISSING
+    return number(value) if value > 1e-9 else "0"
+
+
+def _print_rows(result: ToleranceResult) -> None:
+    as_seen = not result.rig.is_rectified
+    heads = ["distance\nm", "build, first\norder", "simu-\nlated"]
+    heads += ["not\nrectified"] * as_seen
+    heads += ["median\nrig", "95th\npercentile", "median re-\ncalibrated", "95th\npercentile"]
+    print_table(
+        "Rows of the same rigs: right row off the left one, px, root mean square over the image",
+        heads,
+        [
+            (
+                plain(item.depth_m),
+                _px(item.first_order_row_px),
+                _px(item.built.row_rms_px),
+                *([_px(item.row_as_seen_px)] * as_seen),
+                *(
+                    MISSING if rigs is None else _px(percentile_mm(rigs.row_px, level))
+                    for rigs in (item.built, item.recalibrated)
+                    for level in (50, 95)
+                ),
+            )
+            for item in result.depths
+        ],
+        numeric=[True] * len(heads),
+    )
 
 
 def variance_heads() -> tuple[str, ...]:

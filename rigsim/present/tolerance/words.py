@@ -67,6 +67,31 @@ def informed_sentence(result: ToleranceResult) -> str:
     )
 
 
+def rows_sentence(result: ToleranceResult) -> str:
+    """How far a point's right row is off its left one, and how many rigs keep what is asked of that."""
+    worst, limit_px = result.rows_worst, result.required.row_px
+    if not np.isfinite(worst.built.row_px).all():
+        return "Rows: those of some rigs do not correspond at all, as they look along their baseline."
+    says = (
+        "Rows: rectified with the calibration that they were meant to have, pairs are"
+        f" {worst.built.row_rms_px:.3g} px off (root mean square over rigs and image at {worst.depth_m:g} m,"
+        " where it is most)"
+    )
+    if not result.rig.is_rectified:
+        says += f", {worst.row_as_seen_px:.3g} px without rectification"
+    if worst.recalibrated is not None:
+        says += f", and {worst.recalibrated.row_rms_px:.2g} px after recalibration"
+    if limit_px is None:
+        return f"{says}."
+    found = (result.rows_px("built"), result.rows_px("recalibrated"))
+    kept = [_percent(rows <= limit_px) for rows in found if rows is not None]
+    after = f", {kept[1]} after recalibration" if len(kept) > 1 else ""
+    return (
+        f"{says}. {kept[0]} of the rigs keep {limit_px:g} px at every distance as built{after}; a good rig"
+        " keeps it as well as its depth error."
+    )
+
+
 def recalibration_sentence(result: ToleranceResult) -> str:
     """What the recalibration has to work with, and that reality is worse; empty without one."""
     session = result.recalibration

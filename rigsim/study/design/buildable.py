@@ -61,10 +61,10 @@ def farthest_error(requirements: Sequence[Requirement]) -> Requirement:
     return max(errors, key=lambda asked: (asked.depth_m, -asked.limit / asked.per_std))
 
 
-def judged_by(requirements: Sequence[Requirement]) -> BuildRequirement:
+def judged_by(specification: Specification) -> BuildRequirement:
     """What a built rig is held to."""
-    asked = farthest_error(requirements)
-    return BuildRequirement(asked.limit, asked.depth_m, asked.is_p95)
+    asked = farthest_error(specification.requirements)
+    return BuildRequirement(asked.limit, asked.depth_m, asked.is_p95, specification.row_px)
 
 
 def buildable_first(candidates: Iterable[Candidate], specification: Specification) -> list[Candidate]:
@@ -107,8 +107,6 @@ def expected(
     session = Recalibration(noise_px=specification.noise_px) if recalibrated else None
     build = Build(rig, specification.builder.of(rig, class_name), specification.noise_px, session)
     try:
-        return expect(
-            build, judged_by(specification.requirements), (specification.near_m, specification.far_m)
-        )
+        return expect(build, judged_by(specification), (specification.near_m, specification.far_m))
     except InvalidRange:
         return None

@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from rigsim.errors import InvalidRange
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.design import words as words
@@ -17,6 +19,7 @@ from rigsim.study.tolerance.batch import PARAMETERS
 from rigsim.study.tolerance.count import AS_BUILT, RECALIBRATED, Count, count_good
 from rigsim.study.tolerance.predicted import quantity_of
 from rigsim.study.tolerance.recalibration.session import Build, Recalibration
+from rigsim.study.tolerance.rows import first_order_rows
 from rigsim.study.tolerance.sensitivities import (
     QUANTITIES,
     BuildRequirement,
@@ -172,12 +175,16 @@ def _tighter(
 ) -> Iterator[tuple[tuple[str, ...], Mapping[str, float]]]:
     """The quantities that do most held to a tenth: the first, the first two, the first three."""
     off = causes(rig, tolerances)
-    errors = first_order(rig, off, shared_points(rig, required.depth_m, _POINTS))
+    points = shared_points(rig, required.depth_m, _POINTS)
+    squares = (first_order(rig, off, points) ** 2).mean(axis=0) / required.error_m**2
+    if required.row_px is not None:  # what takes most of its bound, whichever that is
+        rows = (first_order_rows(rig, off, points) ** 2).mean(axis=0) / required.row_px**2
+        squares = np.maximum(squares, rows)
     # the left and the right camera's are one thing to calibrate
     groups: dict[str, list[int]] = {}
     for place, key in enumerate(off.keys):
         groups.setdefault(key.removeprefix("left_").removeprefix("right_"), []).append(place)
-    worst = sorted(groups.values(), key=lambda places: -float((errors[:, places] ** 2).sum()))
+    worst = sorted(groups.values(), key=lambda places: -float(squares[places].sum()))
     named: list[str] = []
     values: dict[str, float] = {}
     for places in worst[:3]:

@@ -86,6 +86,8 @@ class Specification:
     """Share of a depth error's variance that a pick leaves for what its build errs, 0 to below 1."""
     builder: Builder = MACHINISTS
     """Who builds it."""
+    row_px: float | None = None
+    """Largest row misalignment of a built rig, px, as in `BuildRequirement`; None for any."""
 
     @property
     def disparity_std_px(self) -> float:

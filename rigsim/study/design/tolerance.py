@@ -82,7 +82,7 @@ def design_tolerance(
     """
     builder = specification.builder
     class_name = builder.class_name
-    asked, required = farthest_error(specification.requirements), judged_by(specification.requirements)
+    asked, required = farthest_error(specification.requirements), judged_by(specification)
     rig, range_m, noise_px = pick.rig, (specification.near_m, specification.far_m), specification.noise_px
     session = Recalibration(noise_px=noise_px)
     try:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -13,9 +13,11 @@ from scipy.special import ndtri
 
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.stereo import StereoRig
+from rigsim.statistics import rms
 from rigsim.study.tolerance.batch import PARAMETERS, Rays, RigBatch, read_rays, read_rays_near
 from rigsim.study.tolerance.judge import Judge
 from rigsim.study.tolerance.recalibration.compensator import Compensator
+from rigsim.study.tolerance.rows import first_order_rows, rms_px, row_errors_px
 from rigsim.study.tolerance.sensitivities import Causes, first_order
 from rigsim.theory.triangulation import triangulate
 
@@ -41,6 +43,18 @@ class Rigs:
     """Which (n,) meet the bound with pixel noise."""
     good_alone: Mask
     """Which (n,) meet it by their build alone."""
+    row_px: Array
+    """Root mean square row misalignment (n,) px of the pair that the calibration rectifies; infinite where
+    a point has no row."""
+
+    @property
+    def row_rms_px(self) -> float:
+        """The same over rigs and image, px."""
+        return rms(self.row_px)
+
+    def that(self, keep: Mask) -> Rigs:
+        """The same rigs, of which those alone are good that `keep` (n,) something else as well."""
+        return replace(self, good=self.good & keep, good_alone=self.good_alone & keep)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,6 +77,10 @@ class DepthErrors:
     """After a recalibration that knows nothing beforehand; None when there was none."""
     informed: Rigs | None
     """After one that knows the tolerances beforehand; None when there was none."""
+    first_order_row_px: float
+    """Root mean square row misalignment over rigs and image, as built, predicted, px."""
+    row_as_seen_px: float
+    """The same simulated, in the images as they are seen, without rectifying them, px."""
 
     @property
     def parts(self) -> bool:
@@ -117,30 +135,35 @@ def depth_errors(
     points = np.concatenate(list(planes.values()))
     ends = np.cumsum([0, *map(len, planes.values())])
     cuts = [slice(int(start), int(stop)) for start, stop in pairwise(ends)]
-    scaled = first_order(rig, off, points)
-    linear = np.empty((len(cuts), len(built)))
+    scaled, scaled_rows = first_order(rig, off, points), first_order_rows(rig, off, points)
+    linear, as_seen = np.empty((len(cuts), len(built))), np.empty((len(cuts), len(built)))
+    assumed = RigBatch(rig, np.zeros((1, len(PARAMETERS))))
     seen: list[list[list[Rigs]]] = [[[] for _ in cuts] for _ in range(1 + len(compensators))]
     size = rigs_a_block(len(points))
     for start in range(0, len(built), size):
         block = slice(start, start + size)
         deviations = built[block] * off.std
         depth, pixels, read = built_depths(rig, deviations @ off.effect, points)
-        found = [depth]
+        rays = read or read_rays(rig, pixels)
+        found = [(depth, row_errors_px(assumed, rays))]
         errors = built[block] @ scaled.T
         for i, cut in enumerate(cuts):
             linear[i, block] = np.einsum("nm,nm->n", errors[:, cut], errors[:, cut]) / len(points[cut])
+            as_seen[i, block] = rms_px(pixels[3, :, cut] - pixels[1, :, cut])
         if compensators:
             known = deviations * ~off.after_calibration @ off.effect
             observed = compensators[0].observe(known, rng)
         for compensator in compensators:
             batch = RigBatch(rig, compensator.solve(*observed))
-            found.append(batch.triangulate(batch.rays(pixels, read or read_rays(rig, pixels)))[2])
-        for per_depth, depths in zip(seen, found, strict=True):
+            own = batch.rays(pixels, rays)
+            found.append((batch.triangulate(own)[2], row_errors_px(batch, own)))
+        for per_depth, (depths, rows) in zip(seen, found, strict=True):
             for rigs, cut, judge in zip(per_depth, cuts, judges, strict=True):
-                rigs.append(_judged(depths[:, cut], judge))
+                rigs.append(_judged(depths[:, cut], rows[:, cut], judge))
+    whole = [_that_keep_rows([_joined(rigs) for rigs in per_depth], judges[0]) for per_depth in seen]
     result = []
     for i, (depth_m, cut) in enumerate(zip(planes, cuts, strict=True)):
-        states = [_joined(per_depth[i]) for per_depth in seen]
+        states = [per_depth[i] for per_depth in whole]
         mean_square = float((states[0].build_mm ** 2).mean()) * 1e-6
         result.append(
             DepthErrors(
@@ -152,23 +175,38 @@ def depth_errors(
                 states[0],
                 states[1] if len(states) > 1 else None,
                 states[2] if len(states) > 2 else None,
+                math.sqrt((scaled_rows[cut] ** 2).sum(axis=1).mean()),
+                rms(as_seen[i]),
             )
         )
     return tuple(result)
 
 
-def _judged(depths: Array, judge: Judge) -> Rigs:
+def _judged(depths: Array, rows: Array, judge: Judge) -> Rigs:
     alone = judge.without_noise
     return Rigs(
-        1e3 * alone.rms_m(depths), 1e3 * judge.rms_m(depths), judge.is_good(depths), alone.is_good(depths)
+        1e3 * alone.rms_m(depths),
+        1e3 * judge.rms_m(depths),
+        judge.is_good(depths),
+        alone.is_good(depths),
+        rms_px(rows),
     )
+
+
+def _that_keep_rows(per_depth: Sequence[Rigs], judge: Judge) -> list[Rigs]:
+    """The same rigs at each depth; where rows are bound, those alone are good that keep them at every one."""
+    limit_px = judge.required.row_px
+    if limit_px is None:
+        return list(per_depth)
+    keep = np.max([rigs.row_px for rigs in per_depth], axis=0) <= limit_px
+    return [rigs.that(keep) for rigs in per_depth]
 
 
 def _joined(parts: Sequence[Rigs]) -> Rigs:
     return Rigs(
         *(
             np.concatenate([getattr(part, name) for part in parts])
-            for name in ("build_mm", "whole_mm", "good", "good_alone")
+            for name in ("build_mm", "whole_mm", "good", "good_alone", "row_px")
         )
     )
 

@@ -57,6 +57,21 @@ VARIANCE_SHARE = _REST.add(
     "Its share of the mean squared depth error there, 0 to 1.",
     empty=False,
 )
+ROW = _REST.add(
+    "row_px",
+    "rows",
+    "px",
+    "number",
+    "RMS row misalignment over the image that it makes alone at the required distance, px, of the pair\n"
+    "rectified by the assumed calibration; null where no rows correspond.",
+)
+ROW_LARGEST = _REST.add(
+    "row_largest_px",
+    "rows,\nlargest",
+    "px",
+    "number",
+    "The largest of that over the distances, px.",
+)
 
 
 def _sobol(name: str, heading: str, first: str) -> dict[str, str]:

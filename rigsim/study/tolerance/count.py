@@ -10,14 +10,14 @@ import numpy as np
 from scipy.special import betaincinv
 
 from rigsim.rig.arrays import Array, Mask
-from rigsim.rig.stereo import StereoRig
-from rigsim.study.tolerance.batch import PARAMETERS, RigBatch, read_rays
+from rigsim.study.tolerance.batch import PARAMETERS, Rays, RigBatch, read_rays
 from rigsim.study.tolerance.built import built_depths, draw, rigs_a_block
 from rigsim.study.tolerance.inputs import Causes
 from rigsim.study.tolerance.judge import Judge, make_judge
 from rigsim.study.tolerance.needed import GOOD
 from rigsim.study.tolerance.recalibration.compensator import Compensator
 from rigsim.study.tolerance.recalibration.session import Build, make_compensator
+from rigsim.study.tolerance.rows import RowJudge, make_row_judge, row_errors_px
 from rigsim.study.tolerance.sensitivities import BuildRequirement, causes, shared_points
 
 AS_BUILT = (4000, 12_000)
@@ -80,8 +80,8 @@ def count_good(
 
     Args:
         build: what is built, and how it is used; a recalibration knows nothing beforehand.
-        required: depth error and distance.
-        range_m: near and far end, for the recalibration.
+        required: depth error and distance, and maybe the row misalignment.
+        range_m: near and far end, for the recalibration and the rows.
         sizes: rigs of each look; the next is taken only where those before do not tell.
         seed: of the random numbers.
 
@@ -92,6 +92,10 @@ def count_good(
     off = causes(rig, build.tolerances)
     points = shared_points(rig, required.depth_m, POINTS)
     judge = make_judge(rig, points, required, build.noise_px)
+    rows = None
+    if required.row_px is not None:
+        ends = (shared_points(rig, depth_m, POINTS) for depth_m in range_m)
+        rows = make_row_judge(required.row_px, (points, *ends))
     compensator = None
     known: dict[int, float] = {}
     if recalibration is not None and not off.after_calibration.all():
@@ -101,7 +105,7 @@ def count_good(
     for look, size in enumerate(sizes or (AS_BUILT if compensator is None else RECALIBRATED)):
         rng = np.random.default_rng([seed, look])
         before, late = _drawn(off, known, size, rng)
-        good = _good(rig, judge, points, before, late, compensator, rng)
+        good = _good(build, _Judges(judge, points, rows), before, late, compensator, rng)
         found = Count(found.good + int(good.sum()), found.rigs + size)
         if found.is_enough is not None and found.standard_error <= COARSEST:
             break
@@ -120,22 +124,44 @@ def _drawn(
     return before, late
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Judges:
+    """Who judges depths, at which points, and who judges rows."""
+
+    depths: Judge
+    points: Array
+    rows: RowJudge | None
+
+    @property
+    def all_points(self) -> Array:
+        """Points of both; the depths' come first."""
+        return self.points if self.rows is None else self.rows.points
+
+    def are_good(self, depths: Array, batch: RigBatch, rays: Rays) -> Mask:
+        """Which rigs (n,) are good that read `depths` (n, m) m, rays as `batch` reads them."""
+        good = self.depths.is_good(depths[:, : len(self.points)])
+        return good if self.rows is None else good & self.rows.keeps(row_errors_px(batch, rays))
+
+
 def _good(
-    rig: StereoRig,
-    judge: Judge,
-    points: Array,
+    build: Build,
+    judges: _Judges,
     before: Array,
     late: Array,
     compensator: Compensator | None,
     rng: np.random.Generator,
 ) -> Mask:
+    rig, points = build.rig, judges.all_points
     size = rigs_a_block(len(points))
+    batch = RigBatch(rig, np.zeros((1, len(PARAMETERS))))
     parts = []
     for start in range(0, len(before), size):
         block = slice(start, start + size)
         depths, pixels, read = built_depths(rig, before[block] + late[block], points)
+        rays = read or read_rays(rig, pixels)
         if compensator is not None:
             batch = RigBatch(rig, compensator.solve(*compensator.observe(before[block], rng)))
-            depths = batch.triangulate(batch.rays(pixels, read or read_rays(rig, pixels)))[2]
-        parts.append(judge.is_good(depths))
+            rays = batch.rays(pixels, rays)
+            depths = batch.triangulate(rays)[2]
+        parts.append(judges.are_good(depths, batch, rays))
     return np.concatenate(parts)

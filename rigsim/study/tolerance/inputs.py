@@ -139,7 +139,8 @@ def with_values(base: Tolerances, values: Mapping[str, Any]) -> Tolerances:
 
 @dataclass(frozen=True, slots=True)
 class BuildRequirement:
-    """Largest depth error of one built rig at a distance, over the image and its pixel noise."""
+    """Largest depth error of one built rig at a distance, over the image and its pixel noise, and maybe the
+    largest row misalignment."""
 
     error_m: float
     """Bound, m."""
@@ -147,11 +148,16 @@ class BuildRequirement:
     """Distance, m."""
     p95: bool = False
     """Whether 95 of 100 errors are to stay under the bound; else it is their root mean square."""
+    row_px: float | None = None
+    """Largest row misalignment, px, root mean square over the image at every distance of the range, of the
+    pair that the rig's calibration rectifies; None for any."""
 
     def __post_init__(self) -> None:
         for name, value in (("depth error", self.error_m), ("distance", self.depth_m)):
             if not (math.isfinite(value) and value > 0):
                 raise InvalidRange(f"required {name} {value * 1e3:g} mm: must be > 0")
+        if self.row_px is not None and not (math.isfinite(self.row_px) and self.row_px > 0):
+            raise InvalidRange(f"required row misalignment {self.row_px:g} px: must be > 0")
         if self.error_m >= self.depth_m:
             raise InvalidRange(
                 f"required depth error {self.error_m * 1e3:g} mm: must be < its distance"

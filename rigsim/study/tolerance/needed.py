@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import ndtri
@@ -18,37 +19,113 @@ _POINTS = 32
 _ROUNDS = 40
 
 
-def needed_alone(errors: Array, even: Mask, judge: Judge) -> Array:
+@dataclass(frozen=True, slots=True, eq=False)
+class Held:
+    """What quantities do, each off by one standard deviation, and what rigs are held to."""
+
+    errors: Array
+    """Depth error (m, q) m at the judged points."""
+    even: Mask
+    """Which (q,) lie evenly within a bound; the others are normal."""
+    judge: Judge
+    """What a rig is held to."""
+    rows: tuple[Array, ...] = ()
+    """Row misalignment (m, q) px at each distance; only a bound on it asks for them."""
+
+    @property
+    def row_rms(self) -> Array:
+        """Largest root mean square row misalignment (q,) px over the distances; 0 where none is asked for."""
+        if self.judge.required.row_px is None:
+            return np.zeros(self.errors.shape[1])
+        return np.asarray(np.max([np.sqrt((rows**2).mean(axis=0)) for rows in self.rows], axis=0))
+
+    @property
+    def that_move_rows(self) -> Ids:
+        """Places of the quantities that a bound on rows holds."""
+        return np.flatnonzero(self.row_rms > 1e-9 * self.row_rms.max()).astype(np.int32)
+
+    @property
+    def noise_allows(self) -> bool:
+        """Whether a rig without any build error is good."""
+        return bool(self.judge.is_good(self.judge.z[None])[0])
+
+    @property
+    def row_limit_px(self) -> float:
+        """The bound on rows, px."""
+        return math.inf if self.judge.required.row_px is None else self.judge.required.row_px
+
+
+def needed_alone(held: Held) -> Array:
     """Factors (q,) on tolerances, each of which alone then leaves 95 of 100 rigs good.
 
-    Args:
-        errors: depth error (m, q) m at the judged points, each quantity off by one standard deviation.
-        even: which (q,) lie evenly within a bound; the others are normal.
-        judge: what a rig is held to.
-
-    Returns:
-        Infinite where the quantity does nothing; 0 where noise alone is too much.
+    Infinite where the quantity does nothing; 0 where noise alone is too much.
     """
     # 95 of 100 deviations are smaller than this, in standard deviations
-    reach = np.where(even, GOOD * math.sqrt(3), ndtri((1 + GOOD) / 2))
-    found = np.full(errors.shape[1], np.inf)
-    for k in _that_matter(errors):
-        ends = np.stack([errors[:, k], -errors[:, k]]) * reach[k]
-        found[k] = _largest_factor(ends, judge, 1.0)
+    reach = np.where(held.even, GOOD * math.sqrt(3), ndtri((1 + GOOD) / 2))
+    found = np.full(held.errors.shape[1], np.inf)
+    by_rows = held.that_move_rows
+    found[by_rows] = held.row_limit_px / (held.row_rms * reach)[by_rows] if held.noise_allows else 0.0
+    for k in _that_matter(held.errors):
+        ends = np.stack([held.errors[:, k], -held.errors[:, k]]) * reach[k]
+        found[k] = min(found[k], _largest_factor(ends, held.judge, 1.0))
     return found
 
 
-def needed_at_equal_shares(errors: Array, even: Mask, judge: Judge) -> Array:
-    """The same when all that matter take an equal part of the variance, all together."""
+def needed_at_equal_shares(held: Held) -> Array:
+    """The same when all that matter take an equal part of the variance, all together.
+
+    With a bound on rows, each takes an equal part of theirs too, and holds the tighter of the two.
+    """
+    errors, judge = held.errors, held.judge
     matter = _that_matter(errors)
     rms = np.sqrt((errors**2).mean(axis=0))
     found = np.full(errors.shape[1], np.inf)
-    rng = np.random.default_rng(0)
-    turns = (rng.permuted(np.tile(np.arange(_RIGS), (len(matter), 1)), axis=1).T + 0.5) / _RIGS
-    off = np.where(even[matter], math.sqrt(3) * (2 * turns - 1), ndtri(turns))
+    others = np.setdiff1d(np.arange(len(found)), matter)
+    off = _deviates(held.even, np.concatenate([matter, others]))
     # a metre of root mean square from each; points lie evenly, and so do the first of them
-    fields = off @ (errors[:_POINTS, matter] / rms[matter]).T
+    fields = off[:, matter] @ (errors[:_POINTS, matter] / rms[matter]).T
     found[matter] = _largest_factor(fields, judge.at_first(_POINTS), GOOD) / rms[matter]
+    by_rows = held.that_move_rows
+    if not len(by_rows):
+        return found
+    if not held.noise_allows:
+        found[by_rows] = 0.0
+        return found
+    unit = [rows[:_POINTS, by_rows] / held.row_rms[by_rows] for rows in held.rows]
+    largest = _worst_row_px(off[:, by_rows], unit)
+    found[by_rows] = np.minimum(
+        found[by_rows], held.row_limit_px / float(np.quantile(largest, GOOD)) / held.row_rms[by_rows]
+    )
+    return found * _that_keeps_both(held, off, found)
+
+
+def _that_keeps_both(held: Held, off: Array, factors: Array) -> float:
+    """What `factors` (q,) must be smaller by, so that 95 of 100 rigs keep both bounds at once."""
+    used = np.where(np.isfinite(factors), factors, 0.0)
+    judge = held.judge.at_first(_POINTS)
+    fields = off @ (held.errors[:_POINTS] * used).T
+    largest = _worst_row_px(off, [rows[:_POINTS] * used for rows in held.rows])
+    low, high = 0.0, 1.0
+    for _ in range(_ROUNDS):
+        middle = (low + high) / 2
+        good = judge.is_good(judge.z + middle * fields) & (middle * largest <= held.row_limit_px)
+        low, high = (middle, high) if good.mean() >= GOOD else (low, middle)
+        if high - low < 1e-4 * high:
+            break
+    return low
+
+
+def _worst_row_px(off: Array, rows: list[Array]) -> Array:
+    """Largest root mean square row misalignment (n,) px of rigs off by `off` (n, q) over the distances."""
+    return np.asarray(np.max([np.sqrt(((off @ one.T) ** 2).mean(axis=1)) for one in rows], axis=0))
+
+
+def _deviates(even: Mask, order: Ids) -> Array:
+    """Deviations (n, q) of rigs, in standard deviations, drawn in this `order` of the quantities."""
+    rng = np.random.default_rng(0)
+    turns = (rng.permuted(np.tile(np.arange(_RIGS), (len(even), 1)), axis=1).T + 0.5) / _RIGS
+    found = np.empty(turns.shape)
+    found[:, order] = np.where(even[order], math.sqrt(3) * (2 * turns - 1), ndtri(turns))
     return found
 
 

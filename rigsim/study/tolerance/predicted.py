@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from rigsim.study.tolerance.batch import PARAMETERS
 from rigsim.study.tolerance.built import draw
 from rigsim.study.tolerance.judge import make_judge
 from rigsim.study.tolerance.recalibration.session import Build, make_compensator
+from rigsim.study.tolerance.rows import RowJudge, make_row_judge, row_slopes
 from rigsim.study.tolerance.sensitivities import (
     BuildRequirement,
     Causes,
@@ -42,7 +44,8 @@ class Expected:
     good: float
     """Share of them that meets the requirement with its pixel noise."""
     limited_by: str
-    """The quantity without whose error the mean square depth error would fall most, or `NOISE`."""
+    """The quantity without whose error the mean square depth error would fall most, or `NOISE`; where a
+    bound on rows fails more rigs, that of the row misalignment."""
     remaining_std: float
     """That quantity's standard deviation as built, or as calibrated, in `PARAMETERS`' units; noise: px."""
 
@@ -56,34 +59,64 @@ def expect(build: Build, required: BuildRequirement, range_m: tuple[float, float
     off = causes(build.rig, build.tolerances)
     points = shared_points(build.rig, required.depth_m, _POINTS)
     judge = make_judge(build.rig, points, required, build.noise_px)
-    slopes = depth_slopes(build.rig, points, off)
+    slopes, rows = depth_slopes(build.rig, points, off), _rows(build, required, range_m, off)
     rng = np.random.default_rng(seed)
     drawn = draw(off, _RIGS, rng) * off.std
     late = off.after_calibration
     thetas = drawn * late @ off.effect
-    of_late = slopes @ ((off.effect * off.std[:, None])[late]).T
+    information = None
     if build.recalibration is None or late.all():
         thetas = thetas + drawn * ~late @ off.effect
         early = np.diag(((off.effect * off.std[:, None])[~late] ** 2).sum(axis=0))
-        by_quantity = _as_built(off, slopes)
     else:
         information = make_compensator(build.rig, off, build.recalibration, range_m).information()
         early = _covariance(information)
         thetas = thetas + rng.multivariate_normal(np.zeros(len(PARAMETERS)), early, _RIGS, method="eigh")
-        by_quantity = _as_calibrated(information, slopes)
-        by_quantity |= {
-            key: float((of_late[:, i] ** 2).mean())
-            for i, key in enumerate(key for key, after in zip(off.keys, late, strict=True) if after)
-        }
-    good = float(judge.is_good(points[:, 2] + thetas @ slopes.T).mean())
+    good = judge.is_good(points[:, 2] + thetas @ slopes.T)
+    by_rows = False
+    if rows is not None:
+        keep = rows.judge.keeps(thetas @ rows.slopes.T)
+        by_rows = bool(keep.mean() < good.mean())
+        good &= keep
+    by_quantity = _by_quantity(off, rows.slopes if rows is not None and by_rows else slopes, information)
     worst = max(by_quantity, key=lambda key: by_quantity[key])
-    if judge.noise_m**2 > by_quantity[worst]:
-        return Expected(good, NOISE, build.noise_px)
-    return Expected(good, worst, _std_of(worst, off, early))
+    share = float(good.mean())
+    if not by_rows and judge.noise_m**2 > by_quantity[worst]:
+        return Expected(share, NOISE, build.noise_px)
+    return Expected(share, worst, _std_of(worst, off, early))
+
+
+class _Rows(NamedTuple):
+    judge: RowJudge
+    slopes: Array
+
+
+def _rows(
+    build: Build, required: BuildRequirement, range_m: tuple[float, float], off: Causes
+) -> _Rows | None:
+    """Who judges rows, and their slopes (m, 12) there; None where nobody asks."""
+    if required.row_px is None:
+        return None
+    depths_m = (required.depth_m, *range_m)
+    planes = tuple(shared_points(build.rig, depth_m, _POINTS) for depth_m in depths_m)
+    judge = make_row_judge(required.row_px, planes)
+    return _Rows(judge, row_slopes(build.rig, judge.points, off))
+
+
+def _by_quantity(off: Causes, slopes: Array, information: Array | None) -> dict[str, float]:
+    """What each quantity does to the mean square of what has these slopes (m, 12)."""
+    if information is None:
+        return _as_built(off, slopes)
+    late = off.after_calibration
+    of_late = slopes @ ((off.effect * off.std[:, None])[late]).T
+    late_keys = (key for key, after in zip(off.keys, late, strict=True) if after)
+    return _as_calibrated(information, slopes) | {
+        key: float((of_late[:, i] ** 2).mean()) for i, key in enumerate(late_keys)
+    }
 
 
 def _as_built(off: Causes, slopes: Array) -> dict[str, float]:
-    """Mean square depth error, m^2, of each quantity; what the left and the right camera err is one."""
+    """Mean square, m^2 or px^2, that each quantity makes; what the left and the right camera err is one."""
     squares = ((slopes @ off.effect.T * off.std) ** 2).mean(axis=0)
     found: dict[str, float] = {}
     for key, square in zip(off.keys, squares, strict=True):
@@ -93,7 +126,7 @@ def _as_built(off: Causes, slopes: Array) -> dict[str, float]:
 
 
 def _as_calibrated(information: Array, slopes: Array) -> dict[str, float]:
-    """By how much the mean square depth error would fall, m^2, were one quantity known."""
+    """By how much the mean square, m^2 or px^2, would fall, were one quantity known."""
     whole = _mean_square(information, slopes)
     found = {}
     for place, name in enumerate(PARAMETERS):

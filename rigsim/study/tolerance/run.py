@@ -10,6 +10,7 @@ import numpy as np
 
 from rigsim.errors import InvalidRange
 from rigsim.rig import extent
+from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance.built import DepthErrors, Rigs, depth_errors, draw
 from rigsim.study.tolerance.judge import make_judge
@@ -73,6 +74,18 @@ class ToleranceResult:
     def judged(self) -> DepthErrors:
         """The depth of the requirement."""
         return next(item for item in self.depths if item.depth_m == self.required.depth_m)
+
+    @property
+    def rows_worst(self) -> DepthErrors:
+        """The depth at which rows are farthest apart, as built."""
+        return max(self.depths, key=lambda item: item.built.row_rms_px)
+
+    def rows_px(self, state: str) -> Array | None:
+        """The largest row misalignment (n,) px of each rig over the depths: ``built``, ``recalibrated`` or
+        ``informed``; None without such a recalibration."""
+        found: list[Rigs | None] = [getattr(item, state) for item in self.depths]
+        known = [rigs.row_px for rigs in found if rigs is not None]
+        return np.asarray(np.max(known, axis=0)) if known else None
 
     @property
     def yield_before(self) -> float:

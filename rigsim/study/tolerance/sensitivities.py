@@ -10,8 +10,8 @@ import numpy as np
 
 from rigsim.errors import InvalidRange
 from rigsim.rig.arrays import Array
-from rigsim.rig.perturbation import NAMES
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.tolerance.batch import PARAMETERS
 from rigsim.study.tolerance.classes import CLASSES, ToleranceClass
 from rigsim.study.tolerance.inputs import (
     DISTRIBUTIONS,
@@ -24,8 +24,9 @@ from rigsim.study.tolerance.inputs import (
     with_values,
 )
 from rigsim.study.tolerance.judge import make_judge
-from rigsim.study.tolerance.needed import needed_alone, needed_at_equal_shares
-from rigsim.theory.sensitivity import depth_sensitivity
+from rigsim.study.tolerance.needed import Held, needed_alone, needed_at_equal_shares
+from rigsim.study.tolerance.rows import first_order_rows, rms_px
+from rigsim.theory.sensitivity import pixel_moves
 from rigsim.theory.uncertainty import pixel_gain
 
 __all__ = [
@@ -69,6 +70,10 @@ class Sensitivity:
     """Standard deviation over the image of the rest."""
     share: float
     """Share of the variance at the judged depth."""
+    row_px: float
+    """Root mean square row misalignment over the image at the judged depth, px."""
+    row_largest_px: float
+    """The largest of that over the depths, px."""
     needed_alone: float
     """Tolerance with which 95 of 100 rigs are good, noise included, when nothing else is off; infinite
     without effect, 0 where noise alone is too much."""
@@ -92,9 +97,13 @@ def sensitivities(
     rms = {depth: np.sqrt((errors**2).mean(axis=0)) for depth, errors in per_plane.items()}
     judged, judged_rms = per_plane[required.depth_m], rms[required.depth_m]
     shares = judged_rms**2 / (judged_rms**2).sum()
+    rows = {depth: first_order_rows(rig, off, points) for depth, points in planes.items()}
+    row_rms = {depth: rms_px(errors.T) for depth, errors in rows.items()}
+    largest = np.max(list(row_rms.values()), axis=0)
     judge = make_judge(rig, planes[required.depth_m], required, noise_px)
-    alone = needed_alone(judged, off.even, judge) * off.values
-    together = needed_at_equal_shares(judged, off.even, judge) * off.values
+    held = Held(judged, off.even, judge, tuple(rows.values()))
+    alone = needed_alone(held) * off.values
+    together = needed_at_equal_shares(held) * off.values
     found = [
         Sensitivity(
             key=key,
@@ -103,6 +112,8 @@ def sensitivities(
             common_mm=float(judged[:, i].mean()) * 1e3,
             differing_mm=float(judged[:, i].std()) * 1e3,
             share=float(shares[i]),
+            row_px=float(row_rms[required.depth_m][i]),
+            row_largest_px=float(largest[i]),
             needed_alone=float(alone[i]),
             needed_equal_share=float(together[i]),
         )
@@ -118,16 +129,8 @@ def first_order(rig: StereoRig, off: Causes, points: Array) -> Array:
 
 def depth_slopes(rig: StereoRig, points: Array, off: Causes) -> Array:
     """Depth error (m, p) m of `points` (m, 3) m per unit of each of `PARAMETERS`, of those that are off."""
-    table = depth_sensitivity(rig, points)
-    gain = pixel_gain(rig, points)[:, 2]
-    # what Perturbation has no field for: the right image moves down, or both images grow by the same share
-    grown = np.zeros(len(points))
-    for camera, uv, moves in zip(
-        (rig.left, rig.right), rig.project(points), (slice(2), slice(2, 4)), strict=True
-    ):
-        grown += np.einsum("ni,ni->n", gain[:, moves], uv - (camera.cx, camera.cy)) / rig.left.fx
-    columns = [*(table[name] for name in NAMES), gain[:, 3], grown]
-    slopes = np.stack(columns, axis=1)
+    gain, moves = pixel_gain(rig, points)[:, 2], pixel_moves(rig, points)
+    slopes = np.stack([np.einsum("ni,ni->n", gain, moves[name]) for name in PARAMETERS], axis=1)
     slopes[:, ~off.effect.any(axis=0)] = 0.0  # a lens without k1 has no effect of it, not even one of 0
     return slopes
 

@@ -48,6 +48,8 @@ def quantity_rest(result: ToleranceResult, item: Sensitivity) -> dict[str, Any]:
         col.COMMON: item.common_mm,
         col.DIFFERING: item.differing_mm,
         col.VARIANCE_SHARE: item.share,
+        col.ROW: item.row_px,
+        col.ROW_LARGEST: item.row_largest_px,
     }
     both = result.interactions
     place = 0 if both is None else both.place(item.key)
