@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from rigsim.present.design.figures import pareto_figure, region_figure
 from rigsim.present.kit import style
-from rigsim.present.kit.line_labels import Named, label_lines
+from rigsim.present.kit.lines.line_labels import Named, label_lines
 from rigsim.study.design.solve import Design, solve, specify
 from rigsim.theory.inverse import Camera, Requirement
 from rigsim.theory.inverse_error import P95_OVER_STD

@@ -52,6 +52,7 @@ REASONS = (
     "design/words.py",
     "infer/remarks.py",
     "measure/rows.py",
+    "golden/compare.py",
     "sweep/run.py",
     "sweep/advice.py",
     "triangulators/isolated.py",

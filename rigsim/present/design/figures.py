@@ -16,7 +16,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLoca
 
 from rigsim.present.kit import style
 from rigsim.present.kit.format import plain
-from rigsim.present.kit.line_labels import Named, label_lines
+from rigsim.present.kit.lines.line_labels import Named, label_lines
 from rigsim.present.kit.topdown import topdown_figure
 from rigsim.rig.arrays import Array
 from rigsim.rig.noise import PixelNoise

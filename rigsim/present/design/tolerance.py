@@ -10,7 +10,7 @@ from rigsim.study.design import words as words
 from rigsim.study.design.help import Attempt, Best
 from rigsim.study.design.tolerance import DesignTolerance
 from rigsim.study.tolerance.count import Count
-from rigsim.study.tolerance.predicted import NOISE, quantity_of
+from rigsim.study.tolerance.first_order.predicted import NOISE, quantity_of
 from rigsim.study.tolerance.sensitivities import QUANTITIES, UNITS
 
 

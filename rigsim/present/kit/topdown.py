@@ -18,7 +18,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 from rigsim.present.kit import style
 from rigsim.present.kit.footprint import Footprint, footprint
 from rigsim.present.kit.format import length, length_mm, plain
-from rigsim.present.kit.isolines import closed_form, draw_iso_lines
+from rigsim.present.kit.lines.isolines import closed_form, draw_iso_lines
 from rigsim.present.kit.plan import (
     BOTH,
     Window,

@@ -1,7 +1,7 @@
 """Rigs that can be built: how many of a class's rigs do what is asked, pixel noise and build together.
 
-Candidates are judged to first order (`rigsim.study.tolerance.predicted`), as there are many; the one that is
-recommended is built rig by rig (`rigsim.study.design.tolerance`).
+Candidates are judged to first order (`rigsim.study.tolerance.first_order.predicted`), as there are many;
+the one that is recommended is built rig by rig (`rigsim.study.design.tolerance`).
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from rigsim.errors import InvalidRange
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.tolerance.predicted import Expected, expect
+from rigsim.study.tolerance.first_order.predicted import Expected, expect
 from rigsim.study.tolerance.recalibration.session import Build, Recalibration
 from rigsim.study.tolerance.sensitivities import CLASSES, BuildRequirement, Tolerances, with_values
 from rigsim.theory.inverse import Requirement

@@ -17,7 +17,7 @@ from rigsim.study.design.solve import Candidate, Specification
 from rigsim.study.saying import Saying, saying
 from rigsim.study.tolerance.batch import PARAMETERS
 from rigsim.study.tolerance.count import AS_BUILT, RECALIBRATED, Count, count_good
-from rigsim.study.tolerance.predicted import quantity_of
+from rigsim.study.tolerance.first_order.predicted import quantity_of
 from rigsim.study.tolerance.recalibration.session import Build, Recalibration
 from rigsim.study.tolerance.rows import first_order_rows
 from rigsim.study.tolerance.sensitivities import (

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal
 
 from rigsim.rig.noise import PixelNoise
 from rigsim.study.agreement.agreement import Agreement
@@ -19,6 +19,7 @@ from rigsim.study.design import words as words
 from rigsim.study.design.checks import RequirementCheck, RigInScene, check
 from rigsim.study.design.solve import Candidate, Design, Specification, solve
 from rigsim.study.saying import saying
+from rigsim.study.sweep.requirement import RequirementVerdict
 from rigsim.theory.inverse import GATES, LOWER
 
 if TYPE_CHECKING:
@@ -29,8 +30,6 @@ if TYPE_CHECKING:
 
 from rigsim.theory.inverse import Requirement
 
-RequirementVerdict: TypeAlias = Literal["met", "not_met", "not_shown"]
-"""What is known of a requirement; ``not_shown`` where the scene has nothing that could show it."""
 CAMERAS = 3
 """Cameras that are tried before giving up, each at up to three baselines."""
 ROUNDS = 3

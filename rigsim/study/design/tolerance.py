@@ -15,7 +15,7 @@ from rigsim.study.design.buildable import expected, farthest_error, judged_by
 from rigsim.study.design.help import Attempt, Best, attempts
 from rigsim.study.design.solve import Candidate, Specification
 from rigsim.study.tolerance.count import Count, count_good
-from rigsim.study.tolerance.predicted import NOISE
+from rigsim.study.tolerance.first_order.predicted import NOISE
 from rigsim.study.tolerance.run import Build, Recalibration, ToleranceResult, run_tolerance
 from rigsim.study.tolerance.sensitivities import CLASSES
 from rigsim.theory.inverse import Requirement as Asked

@@ -12,9 +12,9 @@ from scipy.special import betaincinv
 from rigsim.rig.arrays import Array, Mask
 from rigsim.study.tolerance.batch import PARAMETERS, Rays, RigBatch, read_rays
 from rigsim.study.tolerance.built import built_depths, draw, rigs_a_block
+from rigsim.study.tolerance.first_order.needed import GOOD
 from rigsim.study.tolerance.inputs import Causes
 from rigsim.study.tolerance.judge import Judge, make_judge
-from rigsim.study.tolerance.needed import GOOD
 from rigsim.study.tolerance.recalibration.compensator import Compensator
 from rigsim.study.tolerance.recalibration.session import Build, make_compensator
 from rigsim.study.tolerance.rows import RowJudge, make_row_judge, row_errors_px

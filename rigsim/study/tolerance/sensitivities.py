@@ -13,6 +13,7 @@ from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance.batch import PARAMETERS
 from rigsim.study.tolerance.classes import CLASSES, ToleranceClass
+from rigsim.study.tolerance.first_order.needed import HeldTo, needed_alone, needed_at_equal_shares
 from rigsim.study.tolerance.inputs import (
     DISTRIBUTIONS,
     QUANTITIES,
@@ -24,7 +25,6 @@ from rigsim.study.tolerance.inputs import (
     with_values,
 )
 from rigsim.study.tolerance.judge import make_judge
-from rigsim.study.tolerance.needed import Held, needed_alone, needed_at_equal_shares
 from rigsim.study.tolerance.rows import first_order_rows, rms_px
 from rigsim.theory.sensitivity import pixel_moves
 from rigsim.theory.uncertainty import pixel_gain
@@ -101,7 +101,7 @@ def sensitivities(
     row_rms = {depth: rms_px(errors.T) for depth, errors in rows.items()}
     largest = np.max(list(row_rms.values()), axis=0)
     judge = make_judge(rig, planes[required.depth_m], required, noise_px)
-    held = Held(judged, off.even, judge, tuple(rows.values()))
+    held = HeldTo(judged, off.even, judge, tuple(rows.values()))
     alone = needed_alone(held) * off.values
     together = needed_at_equal_shares(held) * off.values
     found = [

@@ -86,21 +86,21 @@ def expect(build: Build, required: BuildRequirement, range_m: tuple[float, float
     return Expected(share, worst, _std_of(worst, off, early))
 
 
-class _Rows(NamedTuple):
+class _RowErrors(NamedTuple):
     judge: RowJudge
     slopes: Array
 
 
 def _rows(
     build: Build, required: BuildRequirement, range_m: tuple[float, float], off: Causes
-) -> _Rows | None:
+) -> _RowErrors | None:
     """Who judges rows, and their slopes (m, 12) there; None where nobody asks."""
     if required.row_px is None:
         return None
     depths_m = (required.depth_m, *range_m)
     planes = tuple(shared_points(build.rig, depth_m, _POINTS) for depth_m in depths_m)
     judge = make_row_judge(required.row_px, planes)
-    return _Rows(judge, row_slopes(build.rig, judge.points, off))
+    return _RowErrors(judge, row_slopes(build.rig, judge.points, off))
 
 
 def _by_quantity(off: Causes, slopes: Array, information: Array | None) -> dict[str, float]:

@@ -20,7 +20,7 @@ _ROUNDS = 40
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Held:
+class HeldTo:
     """What quantities do, each off by one standard deviation, and what rigs are held to."""
 
     errors: Array
@@ -55,7 +55,7 @@ class Held:
         return math.inf if self.judge.required.row_px is None else self.judge.required.row_px
 
 
-def needed_alone(held: Held) -> Array:
+def needed_alone(held: HeldTo) -> Array:
     """Factors (q,) on tolerances, each of which alone then leaves 95 of 100 rigs good.
 
     Infinite where the quantity does nothing; 0 where noise alone is too much.
@@ -71,7 +71,7 @@ def needed_alone(held: Held) -> Array:
     return found
 
 
-def needed_at_equal_shares(held: Held) -> Array:
+def needed_at_equal_shares(held: HeldTo) -> Array:
     """The same when all that matter take an equal part of the variance, all together.
 
     With a bound on rows, each takes an equal part of theirs too, and holds the tighter of the two.
@@ -99,7 +99,7 @@ def needed_at_equal_shares(held: Held) -> Array:
     return found * _that_keeps_both(held, off, found)
 
 
-def _that_keeps_both(held: Held, off: Array, factors: Array) -> float:
+def _that_keeps_both(held: HeldTo, off: Array, factors: Array) -> float:
     """What `factors` (q,) must be smaller by, so that 95 of 100 rigs keep both bounds at once."""
     used = np.where(np.isfinite(factors), factors, 0.0)
     judge = held.judge.at_first(_POINTS)

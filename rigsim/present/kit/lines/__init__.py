@@ -1,0 +1,1 @@
+"""Lines with their names beside them."""

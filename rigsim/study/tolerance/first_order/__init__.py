@@ -1,0 +1,1 @@
+"""What first order says of built rigs: tolerances that would do, and yields to be expected."""
