@@ -18,6 +18,7 @@ from rigsim.errors import InvalidRig, NothingSeen
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.remark import Remark
 from rigsim.rig.sensor import Sensor
+from rigsim.sim.scenes.made import MadeScene, made_scene
 from rigsim.sim.simulator import Simulator
 from rigsim.statistics import rms, robust_rms
 from rigsim.study.design import words as words
@@ -25,7 +26,15 @@ from rigsim.study.design.checks import FEWEST_MATCHES, nearest_points
 from rigsim.study.design.solve import Candidate, Design, Specification, solve
 from rigsim.study.saying import Saying, saying
 from rigsim.study.scene.columns import Row
-from rigsim.study.scene.look import Look, Outcome, all_rows, look, measure_pictures, simulate
+from rigsim.study.scene.look import (
+    Look,
+    Outcome,
+    all_rows,
+    look,
+    measure_pictures,
+    measuring_method,
+    simulate,
+)
 from rigsim.study.scene.pictures import without_noise
 from rigsim.study.scene.plan import Plan
 from rigsim.study.scene.showcase import Showcase
@@ -69,11 +78,28 @@ class Trial:
     """Why the rig sees nothing."""
 
 
+def proof_distances_m(specification: Specification) -> tuple[float, ...]:
+    """Where a proof needs something to see, m: every depth error's distance, and the ends of the range."""
+    errors = (asked.depth_m for asked in specification.requirements if asked.kind == "depth_error")
+    return tuple(sorted({specification.near_m, *errors, specification.far_m}))
+
+
+def scene_for(distances_m: Sequence[float], candidate: Candidate) -> MadeScene:
+    """A scene with something to see at each distance for the candidate's camera at any of its baselines."""
+    camera, longest_m = candidate.camera, candidate.interval.upper.baseline_m
+    return made_scene(distances_m, camera.hfov_rad, camera.vfov_rad, longest_m)
+
+
 class Room:
     """A scene, kept open while candidates are tried in it; use it as a context manager."""
 
     def __init__(
-        self, plan: Plan, fit: Callable[[Camera], Fitting] | None = None, *, surfaces: bool = False
+        self,
+        plan: Plan,
+        fit: Callable[[Camera], Fitting] | None = None,
+        *,
+        surfaces: bool = False,
+        make: Callable[[Candidate], MadeScene] | None = None,
     ) -> None:
         """Open the scene.
 
@@ -81,6 +107,8 @@ class Room:
             plan: as for a sweep.
             fit: what a camera's pictures are taken with; the plan's first sensor by default.
             surfaces: match patches for the depth errors, whatever else a sweep measures.
+            make: the scene for a candidate, in place of the plan's; where the plan leaves open what is
+                measured in it, that is patches.
 
         Raises:
             InvalidScene: scene or mount cannot be used.
@@ -90,7 +118,10 @@ class Room:
         self.plan = plan
         self._fit = fit or (lambda camera: Fitting(label, sensor))
         self._surfaces = surfaces
-        self._simulator = Simulator(plan.scene, plan.mount, plan.renderer)
+        self._make = make
+        self._made: MadeScene | None = None
+        self._opened = [] if make else [Simulator(plan.scene, plan.mount, plan.renderer)]
+        self._remarks: dict[str, Remark] = {}
         self._trials: list[tuple[Camera, float, Trial]] = []
 
     def __enter__(self) -> Room:
@@ -102,12 +133,42 @@ class Room:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        self._simulator.close()
+        self._close()
+
+    def _close(self) -> None:
+        for simulator in self._opened:
+            self._remarks |= {remark.code: remark for remark in simulator.remarks}
+            simulator.close()
+        self._opened.clear()
+
+    def _open(self, candidate: Candidate) -> None:
+        """Have the scene open that is made for the candidate, where one is."""
+        if self._make is None or (made := self._make(candidate)) == self._made:
+            return
+        self._close()
+        self._made = made
+        self._opened.append(Simulator(made, None, self.plan.renderer))
+
+    @property
+    def _simulator(self) -> Simulator:
+        return self._opened[0]
+
+    @property
+    def where(self) -> str:
+        """What the scene is called in a sentence."""
+        return f"`{self.plan.scene}`" if self._made is None else f"a scene {self._made.name}"
 
     @property
     def remarks(self) -> tuple[Remark, ...]:
         """What is odd about the scene or the candidates' place in it."""
-        return self._simulator.remarks
+        said = [remark for simulator in self._opened for remark in simulator.remarks]
+        return tuple({**self._remarks, **{remark.code: remark for remark in said}}.values())
+
+    @property
+    def centres_apart_m(self) -> float:
+        """Distance of the cameras placed last, m."""
+        left, right = (self._simulator.scene.world_from_camera(side) for side in (0, 1))
+        return float(np.linalg.norm(left.t - right.t))
 
     def trial(self, candidate: Candidate) -> Trial:
         """Place, draw and measure `candidate`; what was tried last is remembered.
@@ -126,7 +187,10 @@ class Room:
 
     def _try(self, candidate: Candidate) -> Trial:
         fitting = self._fit(candidate.camera)
+        self._open(candidate)
         plan = replace(self.plan, sensors={fitting.label: fitting.sensor})
+        if self._made and plan.measure == "auto" and measuring_method(self._simulator, plan) == "corners":
+            plan = replace(plan, measure="patches")
         if candidate.camera.pixels > MANY_PIXELS:
             plan = replace(plan, supersample=1)
         try:
@@ -140,8 +204,8 @@ class Room:
             matches = measure_pictures(self._simulator, candidate.rig, patches, seen)[fitting.label]
         return Trial(fitting, plan, seen, measured, matches)
 
-    def row(self, candidate: Candidate, noise: PixelNoise) -> tuple[Row, Showcase, float]:
-        """The row that a sweep of `candidate` gives, points and pictures, and the cameras' distance, m."""
+    def row(self, candidate: Candidate, noise: PixelNoise) -> tuple[Row, Showcase]:
+        """The row that a sweep of `candidate` gives, and points and pictures."""
         trial, rig = self.trial(candidate), candidate.rig
         if trial.seen is None:
             raise InvalidRig(trial.why)
@@ -167,8 +231,7 @@ class Room:
             sensor=trial.fitting.sensor,
             depth_rmse_m=depth_rmse_m,
         )
-        left, right = (self._simulator.scene.world_from_camera(side) for side in (0, 1))
-        return outcome.rows[0], show, float(np.linalg.norm(left.t - right.t))
+        return outcome.rows[0], show
 
 
 def measured_noise_px(
@@ -241,7 +304,7 @@ def measure_noise(
         noise_source="measured",
         noise_from=saying(
             "measured",
-            scene=room.plan.scene,
+            scene=room.where,
             sensor=trial.fitting.label,
             matches=int((~matches.outlier).sum()),
             method=matches.method,

@@ -1,0 +1,183 @@
+"""A scene made for a working range: a low wall, with a chess board on it, at each of the distances asked for.
+
+The walls stand one above the other in the picture, the nearest at the bottom. Cameras of equal height, as of
+a rectified rig, see each wall between the same rows, so that no wall hides another from one of them, however
+long the baseline: side by side the nearer ones would. They are turned about the vertical in turns, and the
+boards in their planes as well, so that edges run along no rows (docs/adr/0004).
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rigsim.errors import InvalidRange
+
+_SAME = 1.1  # distances within this factor share a wall
+_DEEP = 0.04  # depth of a wall to either side of its middle, as a share of its distance
+_LEAST_SHARED = 0.1  # of a picture's width: a wall of which less is shared is not drawn any higher
+_BEYOND = 1.15  # of the picture's edges
+_BOARD = (5, 7)  # inner corners down and across
+_TURN_DEG = 7.0  # of a board in its plane
+_FILLS = 0.8  # of its wall's height that a board takes
+_TEXELS = 1024  # across a wall
+_SURFACES = (
+    "plaster base=#a8aba6 contrast=0.16",
+    "cork base=#b08455 dark=#5f3f22",
+    "plaster base=#8d9bb0 contrast=0.2",
+    "paint base=#6f8a72 under=#3a463c wear=1.2 grain=0.2",
+    "plaster base=#b3907c contrast=0.18",
+    "plaster base=#9a9a7c contrast=0.14",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class MadeScene:
+    """A scene that no file holds."""
+
+    name: str
+    """What it is called after the word scene: ``made for 0.8 to 1.2 m``."""
+    text: str
+    """MJCF; the rig sits at the site `rig`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wall:
+    """One wall, in front of the rig; tangents are of angles up from the axis, as the cameras see them."""
+
+    depth_m: float
+    """Depth of the middle of its face."""
+    low: float
+    """Tangent of its lower edge, where it comes out from behind the nearer ones."""
+    high: float
+    """Tangent of its upper edge."""
+    deep: float
+    """Depth of its face to either side of the middle, as a share of `depth_m`."""
+
+
+def made_scene(
+    distances_m: Sequence[float], hfov_rad: float, vfov_rad: float, baseline_m: float = 0.0
+) -> MadeScene:
+    """A scene with surfaces at `distances_m` that both cameras of a rectified rig see.
+
+    Args:
+        distances_m: where something is to be seen; the nearest and the farthest are the ends of the range,
+            beyond which no wall reaches.
+        hfov_rad: horizontal field of view of its cameras.
+        vfov_rad: vertical field of view.
+        baseline_m: longest baseline that it is to serve.
+
+    Raises:
+        InvalidRange: a distance is not positive, or there are fewer than two.
+    """
+    near, far = min(distances_m, default=0.0), max(distances_m, default=0.0)
+    if not 0 < near < far < math.inf:
+        raise InvalidRange(f"a scene for {near:g} to {far:g} m: must be 0 < nearest < farthest distance")
+    across, up = math.tan(hfov_rad / 2), math.tan(vfov_rad / 2)
+    walls = _walls(sorted(distances_m), across, up, baseline_m)
+    assets, geoms, texts = [], [], []
+    for index, wall in enumerate(walls):
+        half_width = wall.depth_m * across * _BEYOND + min(baseline_m / 2, wall.depth_m * across)
+        low = -3 * up if index == 0 else wall.low - 0.3 * up
+        high = 3 * up if index == len(walls) - 1 else wall.high
+        height = (high - low) * wall.depth_m
+        rows = _power_of_two(_TEXELS * height / (2 * half_width))
+        texts.append(
+            f'<text name="texture:wall_{index}" data="{_SURFACES[index % len(_SURFACES)]} width={_TEXELS} '
+            f'height={rows} seed={index + 1}"/>'
+        )
+        assets.append(
+            f'<texture name="wall_{index}" type="2d" builtin="flat" width="64" height="64" '
+            f'rgb1=".6 .6 .6" colorspace="linear"/><material name="wall_{index}" texture="wall_{index}"/>'
+        )
+        board, declared = _board(index, wall, across, baseline_m)
+        texts.append(declared)
+        turn_deg = math.degrees(math.atan(wall.deep * wall.depth_m / half_width)) * (-1) ** index
+        thick = 0.01 * wall.depth_m
+        geoms.append(
+            f'<body pos="{wall.depth_m:.9g} 0 0" xyaxes="0 -1 0 0 0 1">'
+            f'<body euler="0 {turn_deg:.6g} 0">'
+            f'<geom name="wall_{index}" type="box" pos="0 {(high + low) / 2 * wall.depth_m:.9g} {-thick:.9g}" '
+            f'size="{half_width:.9g} {height / 2:.9g} {thick:.9g}" material="wall_{index}"/>'
+            f"{board}</body></body>"
+        )
+    span = f"{near:.3g} to {far:.3g} m"
+    return MadeScene(
+        f"made for {span}", _DOCUMENT.format(*("\n    ".join(p) for p in (texts, assets, geoms)))
+    )
+
+
+_DOCUMENT = """<mujoco model="made">
+  <compiler angle="degree"/>
+  <visual>
+    <headlight ambient=".4 .4 .42" diffuse="0 0 0" specular="0 0 0"/>
+  </visual>
+  <custom>
+    {0}
+    <text name="texture:board" data="checker rows=5 cols=7 square=64 margin=32"/>
+  </custom>
+  <default>
+    <material specular="0" shininess="0" reflectance="0"/>
+    <geom contype="0" conaffinity="0"/>
+  </default>
+  <asset>
+    {1}
+    <texture name="board" type="2d" builtin="flat" width="64" height="64" colorspace="linear"/>
+    <material name="board" texture="board"/>
+  </asset>
+  <worldbody>
+    <site name="rig" pos="0 0 0" size=".001"/>
+    <light type="directional" dir=".8 -.4 -.45" diffuse=".55 .54 .52" ambient="0 0 0" specular="0 0 0"
+      castshadow="false"/>
+    {2}
+  </worldbody>
+</mujoco>
+"""
+
+
+def _walls(distances_m: Sequence[float], across: float, up: float, baseline_m: float) -> list[Wall]:
+    """From the nearest to the farthest; the less of one is shared, the higher it is."""
+    near, far = distances_m[0], distances_m[-1]
+    deep = min(_DEEP, (far / near - 1) / 8)
+    # a little inside the range: no point of a wall or board is to lie beyond its ends
+    inner, outer = near / (1 - 1.15 * deep), far / (1 + 1.15 * deep)
+    at_m = [inner]
+    for distance_m in distances_m:
+        if distance_m > at_m[-1] * _SAME and distance_m * _SAME < outer:
+            at_m.append(distance_m)
+    at_m.append(outer)
+    shared = np.clip(1 - baseline_m / (2 * across * np.array(at_m)), _LEAST_SHARED, 1)
+    edges = up * (2 * np.cumsum([0.0, *(1 / shared)]) / (1 / shared).sum() - 1)
+    return [
+        Wall(depth_m, float(low), float(high), deep)
+        for depth_m, (low, high) in zip(at_m, itertools.pairwise(edges), strict=True)
+    ]
+
+
+def _board(index: int, wall: Wall, across: float, baseline_m: float) -> tuple[str, str]:
+    """A board on the middle of a wall's face where both cameras see it, and the text that declares it."""
+    rows, cols = _BOARD
+    turn = math.radians(_TURN_DEG)
+    # in squares, with a margin of half a one all round
+    tall = (rows + 2) * math.cos(turn) + (cols + 2) * math.sin(turn)
+    wide = (cols + 2) * math.cos(turn) + (rows + 2) * math.sin(turn)
+    shared_m = max(2 * across * wall.depth_m - baseline_m, _LEAST_SHARED * 2 * across * wall.depth_m)
+    square_m = _FILLS * min((wall.high - wall.low) * wall.depth_m / tall, shared_m / wide)
+    thick = 0.05 * wall.deep * wall.depth_m
+    aside_m = 0.35 * (shared_m - wide * square_m) * (-1) ** index
+    geom = (
+        f'<geom name="board_{index}" type="box" euler="0 0 {_TURN_DEG * (-1) ** index:g}" '
+        f'pos="{aside_m:.9g} {(wall.high + wall.low) / 2 * wall.depth_m:.9g} {thick:.9g}" '
+        f'size="{(cols + 2) / 2 * square_m:.9g} {(rows + 2) / 2 * square_m:.9g} {thick:.9g}" '
+        'material="board"/>'
+    )
+    declared = f"rows={rows} cols={cols} square_mm={square_m * 1e3:.12g}"
+    return geom, f'<text name="board:board_{index}" data="{declared}"/>'
+
+
+def _power_of_two(texels: float) -> int:
+    return int(np.clip(2 ** round(math.log2(texels)), 64, 2 * _TEXELS))
