@@ -12,8 +12,9 @@ from rigsim.rig.catalogue.sensors import sensor_preset
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.remark import Remark
 from rigsim.sim.scenes.made import MadeScene
+from rigsim.study.design.made import proof_distances_m, scene_for
 from rigsim.study.design.proof import Proof, prove, settle_and_prove
-from rigsim.study.design.room import Fitting, Room, proof_distances_m, scene_for
+from rigsim.study.design.room import Fitting, Room
 from rigsim.study.design.solve import Candidate, Design, Specification, solve
 from rigsim.study.scene.plan import Plan
 from rigsim.theory.inverse import Camera

@@ -49,6 +49,8 @@ def grounds(checks: Sequence[RequirementCheck], scene: str, n_trials: int, metho
     )
     if n_measured:
         return f"{simulated}, and measured on {n_measured} {method} in the pictures (sensor: {sensor})"
+    if not method:
+        return f"{simulated}; nothing was measured in the pictures"
     return f"{simulated}; the pictures have too little to measure near those distances"
 
 

@@ -79,36 +79,18 @@ def made_scene(
         raise InvalidRange(f"a scene for {near:g} to {far:g} m: must be 0 < nearest < farthest distance")
     across, up = math.tan(hfov_rad / 2), math.tan(vfov_rad / 2)
     walls = _walls(sorted(distances_m), across, up, baseline_m)
-    assets, geoms, texts = [], [], []
+    texts, assets, bodies = [], [], []
     for index, wall in enumerate(walls):
-        half_width = wall.depth_m * across * _BEYOND + min(baseline_m / 2, wall.depth_m * across)
+        # below the nearest and above the farthest there is nothing else; others begin behind a nearer one
         low = -3 * up if index == 0 else wall.low - 0.3 * up
         high = 3 * up if index == len(walls) - 1 else wall.high
-        height = (high - low) * wall.depth_m
-        rows = _power_of_two(_TEXELS * height / (2 * half_width))
-        texts.append(
-            f'<text name="texture:wall_{index}" data="{_SURFACES[index % len(_SURFACES)]} width={_TEXELS} '
-            f'height={rows} seed={index + 1}"/>'
-        )
-        assets.append(
-            f'<texture name="wall_{index}" type="2d" builtin="flat" width="64" height="64" '
-            f'rgb1=".6 .6 .6" colorspace="linear"/><material name="wall_{index}" texture="wall_{index}"/>'
-        )
-        board, declared = _board(index, wall, across, baseline_m)
-        texts.append(declared)
-        turn_deg = math.degrees(math.atan(wall.deep * wall.depth_m / half_width)) * (-1) ** index
-        thick = 0.01 * wall.depth_m
-        geoms.append(
-            f'<body pos="{wall.depth_m:.9g} 0 0" xyaxes="0 -1 0 0 0 1">'
-            f'<body euler="0 {turn_deg:.6g} 0">'
-            f'<geom name="wall_{index}" type="box" pos="0 {(high + low) / 2 * wall.depth_m:.9g} {-thick:.9g}" '
-            f'size="{half_width:.9g} {height / 2:.9g} {thick:.9g}" material="wall_{index}"/>'
-            f"{board}</body></body>"
-        )
-    span = f"{near:.3g} to {far:.3g} m"
-    return MadeScene(
-        f"made for {span}", _DOCUMENT.format(*("\n    ".join(p) for p in (texts, assets, geoms)))
-    )
+        text, asset, face = _face(index, wall, (low, high), across, baseline_m)
+        declared, board = _board(index, wall, across, baseline_m)
+        texts += [text, declared]
+        assets.append(asset)
+        bodies.append(f'<body pos="{wall.depth_m:.9g} 0 0" {face}{board}</body>')
+    parts = ("\n    ".join(part) for part in (texts, assets, bodies))
+    return MadeScene(f"made for {near:.3g} to {far:.3g} m", _DOCUMENT.format(*parts))
 
 
 _DOCUMENT = """<mujoco model="made">
@@ -158,8 +140,36 @@ def _walls(distances_m: Sequence[float], across: float, up: float, baseline_m: f
     ]
 
 
+def _face(
+    index: int, wall: Wall, ends: tuple[float, float], across: float, baseline_m: float
+) -> tuple[str, str, str]:
+    """What a wall's texture shows, its material, and its body but for its beginning and its end.
+
+    `ends` are tangents, as those of the wall: it is no lower and no higher.
+    """
+    half_width = wall.depth_m * across * _BEYOND + min(baseline_m / 2, wall.depth_m * across)
+    half_height, middle = ((ends[1] + sign * ends[0]) / 2 * wall.depth_m for sign in (-1, 1))
+    rows = _power_of_two(_TEXELS * half_height / half_width)
+    text = (
+        f'<text name="texture:wall_{index}" data="{_SURFACES[index % len(_SURFACES)]} width={_TEXELS} '
+        f'height={rows} seed={index + 1}"/>'
+    )
+    asset = (
+        f'<texture name="wall_{index}" type="2d" builtin="flat" width="64" height="64" '
+        f'rgb1=".6 .6 .6" colorspace="linear"/><material name="wall_{index}" texture="wall_{index}"/>'
+    )
+    turn = math.atan(wall.deep * wall.depth_m / half_width) * (-1) ** index
+    thick = 0.01 * wall.depth_m
+    body = (
+        f'xyaxes="{math.sin(turn):.9g} {-math.cos(turn):.9g} 0 0 0 1">'
+        f'<geom name="wall_{index}" type="box" pos="0 {middle:.9g} {-thick:.9g}" '
+        f'size="{half_width:.9g} {half_height:.9g} {thick:.9g}" material="wall_{index}"/>'
+    )
+    return text, asset, body
+
+
 def _board(index: int, wall: Wall, across: float, baseline_m: float) -> tuple[str, str]:
-    """A board on the middle of a wall's face where both cameras see it, and the text that declares it."""
+    """The text that declares a wall's board, and the board, where both cameras see it."""
     rows, cols = _BOARD
     turn = math.radians(_TURN_DEG)
     # in squares, with a margin of half a one all round
@@ -176,7 +186,7 @@ def _board(index: int, wall: Wall, across: float, baseline_m: float) -> tuple[st
         'material="board"/>'
     )
     declared = f"rows={rows} cols={cols} square_mm={square_m * 1e3:.12g}"
-    return geom, f'<text name="board:board_{index}" data="{declared}"/>'
+    return f'<text name="board:board_{index}" data="{declared}"/>', geom
 
 
 def _power_of_two(texels: float) -> int:

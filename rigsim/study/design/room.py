@@ -18,7 +18,7 @@ from rigsim.errors import InvalidRig, NothingSeen
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.remark import Remark
 from rigsim.rig.sensor import Sensor
-from rigsim.sim.scenes.made import MadeScene, made_scene
+from rigsim.sim.scenes.made import MadeScene
 from rigsim.sim.simulator import Simulator
 from rigsim.statistics import rms, robust_rms
 from rigsim.study.design import words as words
@@ -76,18 +76,6 @@ class Trial:
     """Matches that depth errors are held to: of surfaces where the room asks for them, else the sweep's."""
     why: str = ""
     """Why the rig sees nothing."""
-
-
-def proof_distances_m(specification: Specification) -> tuple[float, ...]:
-    """Where a proof needs something to see, m: every depth error's distance, and the ends of the range."""
-    errors = (asked.depth_m for asked in specification.requirements if asked.kind == "depth_error")
-    return tuple(sorted({specification.near_m, *errors, specification.far_m}))
-
-
-def scene_for(distances_m: Sequence[float], candidate: Candidate) -> MadeScene:
-    """A scene with something to see at each distance for the candidate's camera at any of its baselines."""
-    camera, longest_m = candidate.camera, candidate.interval.upper.baseline_m
-    return made_scene(distances_m, camera.hfov_rad, camera.vfov_rad, longest_m)
 
 
 class Room:
