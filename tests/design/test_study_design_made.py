@@ -27,19 +27,26 @@ def camera(width_px: int, height_px: int, hfov_deg: float) -> Camera:
 
 
 @pytest.mark.parametrize(
-    ("range_m", "between_m", "size_px", "hfov_deg"),
+    ("range_m", "between_m", "size_px", "hfov_deg", "overlap"),
     [
-        ((0.2, 0.4), (0.25, 0.32), (320, 240), 90),
-        ((0.8, 1.2), (1.0,), (320, 240), 60),
-        ((0.5, 3.0), (0.8, 1.3, 2.0), (480, 360), 100),
-        ((5.0, 20.0), (8.0, 12.0), (320, 240), 30),
-        ((100.0, 120.0), (), (320, 240), 60),
+        ((0.2, 0.4), (0.25, 0.32), (320, 240), 90, 0.5),
+        ((0.8, 1.2), (1.0,), (320, 240), 60, 0.5),
+        ((0.5, 3.0), (0.8, 1.3, 2.0), (480, 360), 100, 0.5),
+        ((0.5, 3.0), (1.0,), (320, 240), 60, 0.1),
+        ((0.5, 6.0), (0.7, 1.0, 1.3, 1.7, 2.2, 3.0, 4.0, 5.0), (320, 240), 60, 0.5),
+        ((5.0, 20.0), (8.0, 12.0), (320, 240), 30, 0.5),
+        ((100.0, 120.0), (), (320, 240), 60, 0.5),
     ],
 )
 def test_every_distance_asked_for_has_points_and_matches(
-    range_m: tuple[float, float], between_m: tuple[float, ...], size_px: tuple[int, int], hfov_deg: float
+    range_m: tuple[float, float],
+    between_m: tuple[float, ...],
+    size_px: tuple[int, int],
+    hfov_deg: float,
+    overlap: float,
 ) -> None:
     asked = [Requirement("depth_error", 0.1 * z, z) for z in (*between_m, range_m[1])]
+    asked.append(Requirement("overlap", overlap, range_m[0]))
     spec = specify(*range_m, asked, build_share=0.0)
     # the longest baseline shares least
     design = solve(spec, [camera(*size_px, hfov_deg)], "most-accurate")

@@ -58,8 +58,6 @@ def _fitting(name: str, merged: float, optics: SensorOptions) -> Fitting:
 
 MADE = "auto"
 """In place of a scene's name: one is made for the range."""
-_POINTS = 400
-"""Truth points for each distance that a made scene shows, or as many as in a sweep."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,8 +106,6 @@ def try_out(
         return scene_for(distances_m, candidate)
 
     made = place.scene == MADE
-    if made:
-        plan = replace(plan, n_points=max(plan.n_points, _POINTS * len(distances_m)))
     surfaces = measures_noise and measure == "auto"
     with Room(plan, fit, surfaces=surfaces, make=make if made else None) as room:
         if measures_noise:

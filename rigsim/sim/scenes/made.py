@@ -25,6 +25,7 @@ _BOARD = (5, 7)  # inner corners down and across
 _TURN_DEG = 7.0  # of a board in its plane
 _FILLS = 0.8  # of its wall's height that a board takes
 _TEXELS = 1024  # across a wall
+_POINTS = 250  # of each wall: a wall may lie in two bins of depth, over which points are spread evenly
 _SURFACES = (
     "plaster base=#a8aba6 contrast=0.16",
     "cork base=#b08455 dark=#5f3f22",
@@ -43,6 +44,8 @@ class MadeScene:
     """What it is called after the word scene: ``made for 0.8 to 1.2 m``."""
     text: str
     """MJCF; the rig sits at the site `rig`."""
+    n_points: int
+    """Truth points of which each wall gets 100 that both cameras see."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +93,9 @@ def made_scene(
         assets.append(asset)
         bodies.append(f'<body pos="{wall.depth_m:.9g} 0 0" {face}{board}</body>')
     parts = ("\n    ".join(part) for part in (texts, assets, bodies))
-    return MadeScene(f"made for {near:.3g} to {far:.3g} m", _DOCUMENT.format(*parts))
+    least_shared = min(_shared(wall.depth_m, across, baseline_m) for wall in walls)
+    n_points = math.ceil(_POINTS * len(walls) / least_shared)
+    return MadeScene(f"made for {near:.3g} to {far:.3g} m", _DOCUMENT.format(*parts), n_points)
 
 
 _DOCUMENT = """<mujoco model="made">
@@ -132,12 +137,17 @@ def _walls(distances_m: Sequence[float], across: float, up: float, baseline_m: f
         if distance_m > at_m[-1] * _SAME and distance_m * _SAME < outer:
             at_m.append(distance_m)
     at_m.append(outer)
-    shared = np.clip(1 - baseline_m / (2 * across * np.array(at_m)), _LEAST_SHARED, 1)
+    shared = np.array([_shared(depth_m, across, baseline_m) for depth_m in at_m])
     edges = up * (2 * np.cumsum([0.0, *(1 / shared)]) / (1 / shared).sum() - 1)
     return [
         Wall(depth_m, float(low), float(high), deep)
         for depth_m, (low, high) in zip(at_m, itertools.pairwise(edges), strict=True)
     ]
+
+
+def _shared(depth_m: float, across: float, baseline_m: float) -> float:
+    """Share of a picture's width that the other camera sees too; as much as a wall is drawn for."""
+    return max(1 - baseline_m / (2 * across * depth_m), _LEAST_SHARED)
 
 
 def _face(
@@ -175,7 +185,7 @@ def _board(index: int, wall: Wall, across: float, baseline_m: float) -> tuple[st
     # in squares, with a margin of half a one all round
     tall = (rows + 2) * math.cos(turn) + (cols + 2) * math.sin(turn)
     wide = (cols + 2) * math.cos(turn) + (rows + 2) * math.sin(turn)
-    shared_m = max(2 * across * wall.depth_m - baseline_m, _LEAST_SHARED * 2 * across * wall.depth_m)
+    shared_m = 2 * across * wall.depth_m * _shared(wall.depth_m, across, baseline_m)
     square_m = _FILLS * min((wall.high - wall.low) * wall.depth_m / tall, shared_m / wide)
     thick = 0.05 * wall.deep * wall.depth_m
     aside_m = 0.35 * (shared_m - wide * square_m) * (-1) ** index

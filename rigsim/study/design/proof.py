@@ -161,7 +161,7 @@ def settle_and_prove(
         RenderMismatch: as `prove`.
         RenderUnavailable: as `prove`.
     """
-    from rigsim.study.design.room import measure_noise, settle
+    from rigsim.study.design.noise import measure_noise, settle
 
     design = settle(specification, cameras, preference, room)
     proofs: list[Proof] = []
