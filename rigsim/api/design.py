@@ -161,7 +161,8 @@ def design(options: DesignOptions) -> Designed:
         lenses_deg: Horizontal fields of view to try, deg, instead.
         prefer: buildable (the cheapest of which 95 of 100 built rigs are good), smallest (baseline), cheapest
             (fewest pixels, then baseline) or most-accurate.
-        scene: Where the pick is proved: a bundled scene's name, or the path of an MJCF file.
+        scene: Where the pick is proved: auto makes a scene for the range, with something to see at every
+            distance asked for; else a bundled scene's name, or the path of an MJCF file.
         proof: Whether anything is rendered and simulated; else it is formulas only.
         measure: What is measured in the pictures: auto, corners, patches, dense or none.
         blur_px: Standard deviation of the lens's point spread, px.

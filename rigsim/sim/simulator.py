@@ -18,6 +18,7 @@ from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim import backend
 from rigsim.sim.frame import StereoFrame, View
+from rigsim.sim.scenes.made import MadeScene
 
 if TYPE_CHECKING:
     from rigsim.sim.scenes.boards import TrueCorners
@@ -58,11 +59,13 @@ class Simulator:
         ('bin', 'rays')
     """
 
-    def __init__(self, scene: str | Path, mount: str | None = None, renderer: str = "auto") -> None:
+    def __init__(
+        self, scene: str | Path | MadeScene, mount: str | None = None, renderer: str = "auto"
+    ) -> None:
         """Open a scene.
 
         Args:
-            scene: name of a bundled scene or path of an MJCF file.
+            scene: name of a bundled scene, path of an MJCF file, or a scene that was made.
             mount: where the rig sits, see `rigsim.sim.scenes.scene.load_scene`.
             renderer: auto, egl, osmesa or rays.
 
@@ -70,12 +73,12 @@ class Simulator:
             InvalidScene: scene or mount cannot be used.
             RenderUnavailable: the renderer asked for does not work here.
         """
-        scene = str(given.path(scene, "scene"))
+        named = scene if isinstance(scene, MadeScene) else str(given.path(scene, "scene"))
         self.backend = backend.choose(renderer)
         backend.load_mujoco(self.backend)
         from rigsim.sim.scenes.scene import load_scene
 
-        self.scene: Scene = load_scene(scene, mount)
+        self.scene: Scene = load_scene(named, mount)
         self._renderer: Renderer | None = None
         self._size = (0, 0)
         self._remarks: dict[str, Remark] = {}

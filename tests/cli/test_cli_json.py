@@ -81,7 +81,11 @@ BUILT = "tolerance --rigs 200 --points 40"
         ),
         ("design", f"{DESIGN} --no-proof --sensor imx264,OV9282 --lens 4,8mm --prefer smallest", 0),
         ("design", f"{DESIGN} --resolution 640x480 --lens 70deg --out out", 0),
-        ("design", "design --range 50:90m --depth-error 5m --resolution 640x480 --lens 70deg", 3),
+        (
+            "design",
+            "design --range 50:90m --depth-error 5m --scene boards --resolution 640x480 --lens 70deg",
+            3,
+        ),
         ("tolerance", f"{BUILT} --out out", 0),
         ("tolerance", f"{BUILT} --no-recalibrate --class none --tolerance baseline=0.2mm", 0),
         ("tolerance", f"{BUILT} --class printed --depth-error 1mm@1m --distribution uniform", 0),

@@ -165,12 +165,52 @@ def test_a_sensor_and_its_lenses(capsys: pytest.CaptureFixture[str]) -> None:
     close(focal["IMX264 with 8 mm"], 8 / 0.00345, rtol=1e-9)
 
 
-def test_what_the_scene_cannot_show_is_not_verified(capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["--range", "50:90m", "--depth-error", "5m", *SMALL]
-    document = answer(capsys, *words, code=3)
-    assert isinstance(document["recommended"], dict)
-    assert document["recommended"]["verified"] is False
-    assert "scene boards" in document["recommended"]["reason"]
+@pytest.mark.parametrize(
+    ("depth_range", "says"), [("50:90m", "scene boards"), ("4:12m", "`boards` has too few points near 12 m")]
+)
+def test_what_the_scene_cannot_show_is_not_shown(
+    depth_range: str, says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["--range", depth_range, "--depth-error", "5%", "--scene", "boards", *SMALL]
+    document = answer(capsys, *words, "--measure", "none", code=3)
+    best, asked = document["recommended"], document["requirements"]
+    assert isinstance(best, dict)
+    assert isinstance(asked, list)
+    assert best["verified"] is False
+    assert says in best["reason"]
+    # nothing there shows the depth error; what both cameras see is known without points
+    told = {item["requirement"]: (item["verdict"], item["met"], item["simulated"]) for item in asked}
+    assert told["depth_error"] == ("not_shown", False, None)
+    assert told["overlap"][:2] == told["far_disparity"][:2] == ("met", True)
+    assert run(["design", *words, "--measure", "none", "--out", "out"]) == 3
+    printed = capsys.readouterr().out
+    (row,) = [line for line in printed.splitlines() if line.startswith("depth error at")]
+    assert row.endswith("–  not shown")
+    assert printed.startswith("Recommended, not verified: ")
+
+
+def test_verified_elsewhere_is_never_said_bare(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    # the back wall of `boards` is 5 m away: within a factor of 2 of 7 m, and beyond 1.25
+    words = ["--range", "4:7m", "--depth-error", "10%", "--scene", "boards", "--measure", "none", *SMALL]
+    assert run(["design", *words, "--out", "out"]) == 0
+    where = "at 5 m (asked for at 7 m)"
+    printed = capsys.readouterr().out
+    assert printed.startswith(f"Verified {where}: ")
+    assert f"  Verified {where}: simulated in boards on 100 points there, " in printed
+    document = json.loads((tmp_path / "out" / "design.json").read_text())
+    assert document["recommended"]["reason"].startswith(f"verified {where}: simulated in `boards` on")
+    assert document["proof"][-1]["scene"] == "boards"
+    assert f"✓ Verified by simulation {where}</span>" in (tmp_path / "out" / "design.html").read_text()
+    # in a scene made for it the same is verified where it was asked for
+    made = [word for word in words if word not in ("--scene", "boards")]
+    assert run(["design", *made, "--out", "made"]) == 0
+    printed = capsys.readouterr().out
+    assert printed.startswith("Verified: ")
+    assert "Verified: simulated in a scene made for 4 to 7 m on" in printed
+    document = json.loads((tmp_path / "made" / "design.json").read_text())
+    assert document["proof"][-1]["scene"] == "a scene made for 4 to 7 m"
+    assert "in a scene made for 4 to 7 m" in document["recommended"]["reason"]
+    assert document["requirements"][0]["nearest_mm"] >= 7000 / 1.25
 
 
 def test_preference_changes_the_pick(capsys: pytest.CaptureFixture[str]) -> None:

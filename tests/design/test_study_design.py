@@ -19,8 +19,9 @@ from rigsim.rig.sensor import Sensor
 from rigsim.study.design.budget import MARGIN
 from rigsim.study.design.buildable import Builder
 from rigsim.study.design.checks import RequirementCheck
+from rigsim.study.design.noise import measured_noise_px
 from rigsim.study.design.proof import Objection, Proof, following, prove, recommended, settle_and_prove
-from rigsim.study.design.room import Room, measured_noise_px
+from rigsim.study.design.room import Room
 from rigsim.study.design.solve import PREFERENCES, Candidate, Design, pareto_front, solve, specify
 from rigsim.study.design.tolerance import design_tolerance
 from rigsim.study.scene.plan import Plan

@@ -136,17 +136,21 @@ def test_grounds_count_each_point_once_and_say_where_they_are() -> None:
     both = [found(std, seen), found(p95, seen)]
     assert [held.n_points for held in both] == [100, 100]
     assert both[0].is_widened
-    far = "at 1.64 to 1.65 m (too few are closer to 3 m)"
-    assert f"in `hall` on 100 points {far}, 50 trials each" in grounds(both, "hall", 50, "", "")
+    far = "verified at 1.64 to 1.65 m (asked for at 3 m)"
+    assert grounds(both, "`hall`", 50, "", "").startswith(
+        f"{far}: simulated in `hall` on 100 points there, 50 trials each"
+    )
     also_near = [*both, found(near, seen)]
     assert not also_near[-1].is_widened
-    assert f"on 150 points near the distances asked for and {far}, 50" in grounds(
-        also_near, "hall", 50, "", ""
+    assert grounds(also_near, "`hall`", 50, "", "").startswith(
+        f"{far} and near the other distances: simulated in `hall` on 150 points near the distances asked "
+        "for, or the nearest to them, 50"
     )
     # matches of one distance are counted once as well
     points = at(np.linspace(2.5, 3.4, 400))
     seen = sight(points, np.full(400, 1e-3), matches(points, np.zeros(400)))
-    said = grounds([found(std, seen), found(p95, seen)], "hall", 50, "patches", "ideal")
+    said = grounds([found(std, seen), found(p95, seen)], "`hall`", 50, "patches", "ideal")
+    assert said.startswith("verified: simulated in `hall`")
     assert "on 400 points near the distances asked for, 50" in said
     assert "measured on 400 patches" in said
 

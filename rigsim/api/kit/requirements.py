@@ -56,7 +56,7 @@ class DesignOptions:
     crop_px: tuple[int, int] | None = None
     binning: int = 1
     prefer: str = "buildable"
-    scene: str | os.PathLike[str] = "boards"
+    scene: str | os.PathLike[str] = "auto"
     proof: bool = True
     measure: str = "auto"
     blur_px: float | None = None

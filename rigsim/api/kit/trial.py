@@ -11,9 +11,11 @@ from rigsim.api.kit.sensors import TYPICAL_NOISE_GREY, SensorOptions, sensor_lab
 from rigsim.rig.catalogue.sensors import sensor_preset
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.remark import Remark
+from rigsim.sim.scenes.made import MadeScene
+from rigsim.study.design.made import proof_distances_m, scene_for
 from rigsim.study.design.proof import Proof, prove, settle_and_prove
 from rigsim.study.design.room import Fitting, Room
-from rigsim.study.design.solve import Design, Specification, solve
+from rigsim.study.design.solve import Candidate, Design, Specification, solve
 from rigsim.study.scene.plan import Plan
 from rigsim.theory.inverse import Camera
 
@@ -54,12 +56,16 @@ def _fitting(name: str, merged: float, optics: SensorOptions) -> Fitting:
     return Fitting(label, sensor)
 
 
+MADE = "auto"
+"""In place of a scene's name: one is made for the range."""
+
+
 @dataclass(frozen=True, slots=True)
 class Place:
     """Where and how candidates are tried."""
 
     scene: str
-    """A bundled scene's name, or the path of an MJCF file."""
+    """A bundled scene's name, the path of an MJCF file, or `MADE`."""
     seed: int
     """Seed of every random number."""
     renderer: str
@@ -94,7 +100,14 @@ def try_out(
     def fit(camera: Camera) -> Fitting:
         return fits[camera.sensor, camera.merged]
 
-    with Room(plan, fit, surfaces=measures_noise and measure == "auto") as room:
+    distances_m = proof_distances_m(specification)
+
+    def make(candidate: Candidate) -> MadeScene:
+        return scene_for(distances_m, candidate)
+
+    made = place.scene == MADE
+    surfaces = measures_noise and measure == "auto"
+    with Room(plan, fit, surfaces=surfaces, make=make if made else None) as room:
         if measures_noise:
             found, proofs = settle_and_prove(specification, cameras, preference, room)
         else:

@@ -130,7 +130,13 @@ class DesignWords:
             "cheapest (fewest pixels, then baseline) or most-accurate."
         ),
     ] = "buildable"
-    scene: Annotated[str, typer.Option(help="Scene to verify the rig in: a bundled one, or MJCF.")] = "boards"
+    scene: Annotated[
+        str,
+        typer.Option(
+            help="Scene to verify the rig in: auto makes one, with something to see at every distance asked "
+            "for; or a bundled one, or MJCF."
+        ),
+    ] = "auto"
     no_proof: Annotated[
         bool, typer.Option("--no-proof", help="Formulas only: nothing is rendered or simulated.")
     ] = False

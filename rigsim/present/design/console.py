@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rigsim.present.design.tolerance import limit_says, tolerance_says
-from rigsim.present.design.words import noise, outcome
+from rigsim.present.design.words import badge, noise, outcome
 from rigsim.present.kit.console import make_console, print_table
 from rigsim.present.kit.format import MISSING, number
 from rigsim.study.design import words as words
@@ -126,7 +126,7 @@ def shown_by_words(design: Design, proofs: Sequence[Proof]) -> str:
 
 _SHOWN_BY = {
     "points": "from points of the scene near that distance",
-    "plane": "from a plane at that distance: the scene has no surface there",
+    "plane": "from a plane at that distance that fills the pictures",
     "rays": "from the rays at the image borders",
     "pictures": "from the rendered pictures",
     "cameras": "from the cameras as placed",
@@ -192,9 +192,8 @@ def print_design(
 ) -> None:
     """Print the rig, what was asked for and achieved, the Pareto front, and where the report is."""
     console = console or make_console()
-    verified = any(proof.verified for proof in proofs)
-    badge = "Verified" if verified else "Recommended, not verified"
-    console.print(f"{badge}: {headline(design, proofs)}", style="bold", soft_wrap=True)
+    how = badge(proofs) or "Recommended, not verified"
+    console.print(f"{how}: {headline(design, proofs)}", style="bold", soft_wrap=True)
     for sentence in sentences(design, proofs):
         console.print(f"  {sentence.replace('`', '')}", soft_wrap=True)
     console.print()

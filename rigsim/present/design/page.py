@@ -18,6 +18,7 @@ from rigsim.present.design.console import (
 )
 from rigsim.present.design.figures import pareto_figure, plan_figure, region_figure
 from rigsim.present.design.tolerance import tolerance_says
+from rigsim.present.design.words import badge
 from rigsim.present.design.words import noise as noise_from
 from rigsim.present.kit import style
 from rigsim.present.kit.format import count, with_error
@@ -60,6 +61,7 @@ def design_html(
         title="Design of a stereo rig",
         cover=cover or Cover(),
         verified=any(p.verified for p in proofs),
+        verified=badge(proofs).replace("Verified", "Verified by simulation"),
         proved=bool(proofs),
         headline=headline(design, proofs),
         sentences=sentences(design, proofs),

@@ -18,7 +18,7 @@ NOISE: Sentences = {
     "assumed": "assumed, as {why}",
     "assumed: none-given": "assumed, as none was given",
     "few-matches": "{sensor} finds fewer than {fewest} matches in the range",
-    "measured": "measured in `{scene}` (sensor: {sensor}) on {matches} {method}, {when}",
+    "measured": "measured in {scene} (sensor: {sensor}) on {matches} {method}, {when}",
     "round": "round {number}",
     "after-a-miss": "by {camera}, which missed with less",
 }
@@ -44,24 +44,46 @@ def grounds(checks: Sequence[RequirementCheck], scene: str, n_trials: int, metho
     n_points = len(frozenset[int]().union(*(held.points for held in errors)))
     n_measured = len(frozenset[int]().union(*(held.matches for held in errors)))
     simulated = (
-        f"verified: simulated in `{scene}` on {n_points} points {_where(errors)}, {n_trials} trials each"
+        f"{verified_where(errors)}: simulated in {scene} on {n_points} points {_where(errors)}, "
+        f"{n_trials} trials each"
     )
     if n_measured:
         return f"{simulated}, and measured on {n_measured} {method} in the pictures (sensor: {sensor})"
+    if not method:
+        return f"{simulated}; nothing was measured in the pictures"
     return f"{simulated}; the pictures have too little to measure near those distances"
 
 
-def _where(errors: Sequence[RequirementCheck]) -> str:
-    """Where the points lie: near the distances, or else how far off."""
+def verified_where(errors: Sequence[RequirementCheck]) -> str:
+    """Verified, and where, when that is not where it was asked for: points may be too few nearer to it."""
     widened = {
         held.requirement.depth_m: f"at {labels.span(held.nearest_m, held.farthest_m)} "
-        f"(too few are closer to {labels.distance(held.requirement.depth_m)})"
+        f"(asked for at {labels.distance(held.requirement.depth_m)})"
         for held in errors
         if held.is_widened
     }
+    if not widened:
+        return "verified"
+    nearer = [] if all(held.is_widened for held in errors) else ["near the other distances"]
+    return f"verified {' and '.join([*widened.values(), *nearer])}"
+
+
+def badge(proofs: Sequence[Proof]) -> str:
+    """What became of the proof, in a word; empty where nothing was verified."""
+    verified = next((proof for proof in proofs if proof.verified), None)
+    if verified is None:
+        return ""
+    errors = [held for held in verified.checks if held.requirement.kind == "depth_error"]
+    said = verified_where(errors)
+    return f"{said[:1].upper()}{said[1:]}"
+
+
+def _where(errors: Sequence[RequirementCheck]) -> str:
+    """Where the points lie: near the distances, or else where `verified_where` says."""
     if all(held.is_widened for held in errors):
-        return " and ".join(widened.values())
-    return " and ".join(["near the distances asked for", *widened.values()])
+        return "there"
+    near = "near the distances asked for"
+    return f"{near}, or the nearest to them" if any(held.is_widened for held in errors) else near
 
 
 def _objection(found: Objection, scene: str) -> str:
@@ -73,8 +95,8 @@ def _objection(found: Objection, scene: str) -> str:
     asked = held.requirement
     if found.kind == "too-few-points":
         return (
-            f"`{scene}` has too few points near {labels.distance(asked.depth_m)} at any baseline; "
-            "choose another --scene"
+            f"{scene} has too few points near {labels.distance(asked.depth_m)} at any baseline; "
+            "choose another --scene (auto makes one for the range)"
         )
     simulated = f"the simulated {labels.name(asked)} is {labels.value(asked, held.simulated, 3)}"
     if found.kind == "missed":

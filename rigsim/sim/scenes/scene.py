@@ -21,6 +21,7 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.sim.axes import CV_FROM_GL, REP103_FROM_RIG, principal_offset
 from rigsim.sim.scenes import elements, gate, library
 from rigsim.sim.scenes.declared import declared_boards
+from rigsim.sim.scenes.made import MadeScene
 from rigsim.sim.scenes.textures import apply_textures
 from rigsim.sim.truth import around
 
@@ -43,7 +44,7 @@ class Scene:
     name: str
     """Bundled scene's name, or the file's stem."""
     path: Path
-    """The MJCF file."""
+    """The MJCF file; of a scene that was made, no more than its name."""
     mount: str
     """Where the rig sits, as `body:head`, `site:rig` or `camera:front`."""
     model: Any
@@ -161,22 +162,29 @@ class Scene:
         return str(geom.name or self.model.body(int(geom.bodyid[0])).name or f"geom {geom_id}")
 
 
-def load_scene(scene: str, mount: str | None = None) -> Scene:
-    """Load a bundled scene by name, or any MJCF file by path, and mount two cameras in it.
+def load_scene(scene: str | MadeScene, mount: str | None = None) -> Scene:
+    """Load a bundled scene by name, any MJCF file by path, or a made one, and mount two cameras in it.
 
     Args:
-        scene: name of a bundled scene, or path of an MJCF file.
+        scene: name of a bundled scene, path of an MJCF file, or a scene that was made.
         mount: `body:NAME`, `site:NAME` or `camera:NAME`; by default a site or camera called `rig`,
             else the file's only camera.
 
     Raises:
         InvalidScene: the file is missing or broken, or the mount is unknown.
     """
-    path = library.find(scene)
-    gate.check(path)
-    label = path.parent.name if path.name == "scene.xml" else path.stem
+    if isinstance(scene, MadeScene):
+        path, label = Path(scene.name), scene.name
+    else:
+        path = library.find(scene)
+        gate.check(path)
+        label = path.parent.name if path.name == "scene.xml" else path.stem
     with gate.passing(path) as warned:
-        spec, model = _compile(path)
+        spec, model = _compile(
+            mujoco.MjSpec.from_string(scene.text)
+            if isinstance(scene, MadeScene)
+            else mujoco.MjSpec.from_file(str(path))
+        )
         boards = declared_boards(spec)
         data = mujoco.MjData(model)
         if model.nkey:
@@ -202,9 +210,8 @@ def load_scene(scene: str, mount: str | None = None) -> Scene:
     )
 
 
-def _compile(path: Path) -> tuple[Any, Any]:
-    """The file's MjSpec with two cameras, and its MjModel."""
-    spec = mujoco.MjSpec.from_file(str(path))
+def _compile(spec: Any) -> tuple[Any, Any]:
+    """A file's MjSpec with two cameras, and its MjModel."""
     gate.check_names(spec)
     for side in SIDES:
         spec.worldbody.add_camera(

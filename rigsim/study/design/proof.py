@@ -13,6 +13,8 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
+
 from rigsim.rig.noise import PixelNoise
 from rigsim.study.agreement.agreement import Agreement
 from rigsim.study.design import words as words
@@ -65,7 +67,7 @@ class Proof:
     show: Showcase | None
     """Its points and pictures; None where the scene has nothing to simulate."""
     scene: str = ""
-    """Where it was tried."""
+    """Where it was tried, as in a sentence: "`boards`", or "a scene made for 0.8 to 1.2 m"."""
     n_trials: int = 0
     """Trials of each simulated point."""
     sensor: str = ""
@@ -158,7 +160,7 @@ def settle_and_prove(
         RenderMismatch: as `prove`.
         RenderUnavailable: as `prove`.
     """
-    from rigsim.study.design.room import measure_noise, settle
+    from rigsim.study.design.noise import measure_noise, settle
 
     design = settle(specification, cameras, preference, room)
     proofs: list[Proof] = []
@@ -185,27 +187,29 @@ def settle_and_prove(
 def _prove(candidate: Candidate, design: Design, room: Room, noise: PixelNoise) -> Proof:
     trial = room.trial(candidate)
     label, matches = trial.fitting.label, trial.matches
-    if trial.seen is None:
-        return Proof(candidate, (), Objection("nothing-seen", cause=trial.why), None, sensor=label)
-    row, show, centres_apart_m = room.row(candidate, noise)
+    row, show = (None, None) if trial.seen is None else room.row(candidate, noise)
+    camera = candidate.camera
     sight = RigInScene(
-        rig=show.rig,
-        centres_apart_m=centres_apart_m,
-        picture_px=(show.image_left.shape[1], show.image_left.shape[0]),
-        points_left=show.points_left[show.visible],
-        depth_rmse_m=show.depth_rmse_m[show.visible],
-        noise=show.noise,
+        rig=candidate.rig,
+        centres_apart_m=room.centres_apart_m,
+        picture_px=(camera.width_px, camera.height_px)
+        if show is None
+        else (show.image_left.shape[1], show.image_left.shape[0]),
+        points_left=np.empty((0, 3)) if show is None else show.points_left[show.visible],
+        depth_rmse_m=np.empty(0) if show is None else show.depth_rmse_m[show.visible],
+        noise=noise,
         n_trials=room.plan.n_trials,
         measured=matches,
     )
-    rng = room.plan.stream("percentile", room.plan.scene, show.rig, repr(show.noise))
+    rng = room.plan.stream("percentile", room.plan.scene, sight.rig, repr(noise))
     checks = tuple(check(asked, sight, rng) for asked in design.specification.requirements)
+    unseen = Objection("nothing-seen", cause=trial.why)
     return Proof(
         candidate,
         checks,
-        _objection(checks, row["agreement"]),
+        unseen if row is None else _objection(checks, row["agreement"]),
         show,
-        room.plan.scene,
+        room.where,
         room.plan.n_trials,
         sensor=label,
         method=matches.method if matches is not None and len(matches.outlier) else "",
@@ -242,7 +246,7 @@ def verdict(
     """What is known of one requirement: by its proof, and by the formulas where nothing was tried."""
     held = held_to(asked, pick, proofs)
     formula = asked.is_met(asked.achieved(pick.camera, pick.baseline_m, spec.disparity_std_px))
-    if held is not None and math.isnan(held.simulated):
+    if proofs and (held is None or math.isnan(held.simulated)):
         return "not_shown" if formula else "not_met"
     met = formula and (held is None or (held.is_met and not held.is_missed_by_pixels))
     return "met" if met else "not_met"

@@ -101,6 +101,7 @@ def design_document(
                 **_rig(proof.candidate) | {"sensor": proof.sensor or None},
                 verified=proof.verified,
                 reason=words.outcome(proof),
+                scene=proof.scene.replace("`", ""),
                 measured_method=proof.method or None,
             )
             for proof in proofs

@@ -82,6 +82,8 @@ class Proved(Candidate):
     """Whether that confirmed it."""
     reason: str
     """Why, or why not."""
+    scene: str
+    """Where: a scene by its name, or a scene made for the range."""
     sensor: str | None
     """What the pictures were taken with; null where none was."""
     measured_method: str | None
