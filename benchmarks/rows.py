@@ -1,4 +1,4 @@
-"""Row misalignment by formula against projection, all quantities; yields held to it by brute force."""
+"""Row misalignment by formula against projection, all quantities; yields within it by brute force."""
 
 from __future__ import annotations
 

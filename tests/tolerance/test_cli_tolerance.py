@@ -31,7 +31,8 @@ def test_json_by_hand(capsys: pytest.CaptureFixture[str]) -> None:
     words = ("--class", "none", "--tolerance", "baseline=200um", "--depth-error", "1%@3m", "--no-recalibrate")
     said = document(capsys, *words, "--baseline", "120", "--range", "1:5m")
     # Z/B x 0.2 mm = 5 mm at 3 m; 30 mm are allowed, and 1.2 mm of baseline make them
-    assert said["required"] == {"depth_error_mm": 30.0, "distance_mm": 3000.0, "statistic": "rms"}
+    bounds = {"depth_error_mm": 30.0, "distance_mm": 3000.0, "row_px": None}
+    assert said["required"] == bounds | {"statistic": "rms"}
     (row,) = said["quantities"]
     assert (row["quantity"], row["unit"], row["tolerance"]) == ("baseline_mm", "mm", pytest.approx(0.2))
     assert row["depth_error_mm"] == pytest.approx([5 / 3, 5.0, 25 / 3])
@@ -227,6 +228,7 @@ def test_the_page_holds_every_key_and_quantity(capsys: pytest.CaptureFixture[str
         *said["rig"],
         *said["required"],
         *said["yield"],
+        *said["rows"],
         *said["interactions"],
         *said["recalibration"],
     }

@@ -60,7 +60,6 @@ def design_html(
         "design.html",
         title="Design of a stereo rig",
         cover=cover or Cover(),
-        verified=any(p.verified for p in proofs),
         verified=badge(proofs).replace("Verified", "Verified by simulation"),
         proved=bool(proofs),
         headline=headline(design, proofs),

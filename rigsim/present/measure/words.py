@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from rigsim.present.kit.format import to_error, with_error
+from rigsim.present.kit.format import length, to_error, with_error
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.measure.result import Finding, RowFit
 from rigsim.study.measure.rows import down, shift_words
@@ -51,7 +51,7 @@ def _off_lines(finding: Finding, rig: StereoRig) -> str:
     return (
         f"The pair is not {_claimed(rig)}: matches lie {finding.numbers['epipolar_rms_px']:.2f} px (RMS) off "
         f"their epipolar lines, and {sign}{with_error(rows.shift_px, rows.shift_se_px)} px in the mean. "
-        f"{_fault(rows, rig)} {_TRUST}"
+        f"{_fault(rows, rig)}{_cause(rows, rig, finding.numbers['depth_m'])} {_TRUST}"
     )
 
 
@@ -75,6 +75,29 @@ def _fault(rows: RowFit, rig: StereoRig) -> str:
     if rows.is_shifted and len(said) == 1:
         return shift_words(rows.shift_px, rig)
     return f"The right picture is {', '.join(said[:-1])}{' and ' if len(said) > 1 else ''}{said[-1]}."
+
+
+def _cause(rows: RowFit, rig: StereoRig, depth_m: float) -> str:
+    """What of the right camera would make such rows, and by how much: `rigsim.theory.rows`, on its axis."""
+    said = []
+    lens, focal_px = rig.right, rig.right.fy
+    alone = not (rows.is_tilted or rows.is_scaled)
+    # a turn and a scale are about the camera's axis, wherever the matches are
+    shift_px = rows.shift_px if alone else rows.shift_at_px(lens.cx, lens.cy)
+    if abs(shift_px) > rows.shift_limit_px:
+        up, high = ("up", "higher") if shift_px > 0 else ("down", "lower")
+        stands = f"stands {length(abs(shift_px) * depth_m / focal_px, 2)} {high}, at {length(depth_m)}"
+        if alone:  # the rest is said before
+            return f" A right camera that {stands}, makes such rows too." if math.isfinite(depth_m) else ""
+        turn_deg = math.degrees(abs(shift_px) / focal_px)
+        said.append(f"looks {up} by {turn_deg:.2g} deg more" + f" or {stands}" * math.isfinite(depth_m))
+    if rows.is_tilted:
+        way = "counter-clockwise" if rows.turn > 0 else "clockwise"
+        said.append(f"is rolled {way} by {math.degrees(abs(math.atan(rows.turn))):.2g} deg")
+    if rows.is_scaled:
+        longer = "longer" if rows.growth > 0 else "shorter"
+        said.append(f"has a focal length {abs(rows.growth) / (1 - rows.growth) * focal_px:.2g} px {longer}")
+    return f" A right camera that {' and that '.join(said)} makes such rows." if said else ""
 
 
 def _too_few_rows(finding: Finding, _: StereoRig) -> str:

@@ -41,6 +41,12 @@ class RowFit:
     """Half of the matches' extent along the row, px."""
     half_height_px: float
     """Half of their extent along the column, px."""
+    middle_px: tuple[float, float] = (0.0, 0.0)
+    """Their middle in the right picture, px."""
+
+    def shift_at_px(self, u: float, v: float) -> float:
+        """The shift at a place of the right picture, px."""
+        return self.shift_px + self.turn * (u - self.middle_px[0]) + self.growth * (v - self.middle_px[1])
 
     @property
     def tilt_limit_px(self) -> float:
@@ -50,7 +56,12 @@ class RowFit:
     @property
     def is_shifted(self) -> bool:
         """Whether the shift is more than chance and more than nothing."""
-        return abs(self.shift_px) > max(_SHIFT_PX, _CERTAIN * self.shift_se_px)
+        return abs(self.shift_px) > self.shift_limit_px
+
+    @property
+    def shift_limit_px(self) -> float:
+        """What a shift is more than when it is more than chance and more than nothing, px."""
+        return max(_SHIFT_PX, _CERTAIN * self.shift_se_px)
 
     @property
     def is_tilted(self) -> bool:

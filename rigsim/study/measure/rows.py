@@ -58,7 +58,9 @@ def fit_rows(matches: PairMatches) -> RowFit:
             fitted = np.linalg.lstsq(J * weight[:, None], offset * weight, rcond=None)[0]
     scatter = robust_rms(offset - J @ fitted)
     se = 1.25 * scatter / math.sqrt(max(n / _OVERLAP[matches.kind], 1.0))
-    return RowFit(n, float(fitted[0]), se, float(fitted[1]), float(fitted[2]), half_width, half_height)
+    turn, growth = float(fitted[1]), float(fitted[2])
+    at = (float(middle[0]), float(middle[1]))
+    return RowFit(n, float(fitted[0]), se, turn, growth, half_width, half_height, at)
 
 
 def is_misaligned(matches: PairMatches) -> bool:
@@ -83,7 +85,13 @@ def row_verdict(matches: PairMatches, rig: StereoRig, found_px: float | None = N
         few = {"n": rows.n, "n_tried": matches.n_tried}
         return Finding("rows_untold", "too-few", "untold", few, matches.kind)
     if rows.is_shifted or rows.is_tilted or rows.is_scaled or is_misaligned(matches):
-        off = {"epipolar_rms_px": matches.epipolar_rms_px, "shift_px": rows.shift_px}
+        depth_m = matches.points_left[:, 2]
+        depth_m = depth_m[np.isfinite(depth_m)]
+        off = {
+            "epipolar_rms_px": matches.epipolar_rms_px,
+            "shift_px": rows.shift_px,
+            "depth_m": float(np.median(depth_m)) if len(depth_m) else math.nan,
+        }
         return Finding("not_rectified", "off-lines", numbers=off, rows=rows)
     if abs(rows.shift_px) + 3 * rows.shift_se_px > EPIPOLAR_RMS_PX:
         return Finding("rows_untold", "too-uncertain", "untold", rows=rows)

@@ -30,6 +30,7 @@ NOTICEABLE = 0.01
 _CHANCE = 1e-3  # that sampling alone makes any quantity of a study seem to act on others
 _POINTS = 64
 _EDGE = 1e-12
+_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,7 +90,9 @@ def interactions(rig: StereoRig, off: Causes, points: Array, rng: np.random.Gene
         for start in range(0, len(deviations), size):
             block = slice(start, start + size)
             depths, _, _ = built_depths(rig, deviations[block] * off.std @ off.effect, points)
-            found[block, :-1] = depths - points[:, 2]
+            errors = depths - points[:, 2]
+            # what moves no depth leaves rounding, which has no variance to share out
+            found[block, :-1] = np.where(np.abs(errors) < _ROUNDING * points[:, 2], 0.0, errors)
         found[:, -1] = found[:, :-1].mean(axis=1)
         return found
 
