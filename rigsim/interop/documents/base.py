@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from rigsim.interop.documents.text import clean
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.golden.compare import VERDICTS, GoldenReport, Value
+from rigsim.study.golden.compare import VERDICTS, GoldenReport, GoldenValue
 
 
 class Part(BaseModel):
@@ -193,5 +193,5 @@ def golden_part(golden: GoldenReport | None) -> Golden | None:
     )
 
 
-def _value(value: Value) -> float | str | None:
+def _value(value: GoldenValue) -> float | str | None:
     return value if isinstance(value, str) else finite(value)

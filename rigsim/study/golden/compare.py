@@ -12,7 +12,7 @@ GoldenVerdict: TypeAlias = Literal["same", "within tolerance", "within noise", "
 VERDICTS: tuple[GoldenVerdict, ...] = get_args(GoldenVerdict)
 """What may have become of a golden number."""
 
-Value: TypeAlias = float | str
+GoldenValue: TypeAlias = float | str
 """A golden number, NaN for nothing there; or a word."""
 
 ROUNDING = 1e-6
@@ -42,7 +42,7 @@ class Number:
 
     name: str
     """Unique within its record, as ``depth (106, 89)``."""
-    value: Value
+    value: GoldenValue
     """The number, NaN for nothing there; or the word."""
     unit: str
     """Unit; empty for ratios and words."""
@@ -76,9 +76,9 @@ class Move:
     """The number's name."""
     unit: str
     """Unit."""
-    before: Value
+    before: GoldenValue
     """Golden value; NaN when it is new."""
-    now: Value
+    now: GoldenValue
     """Value now; NaN when it is gone."""
     bound: float
     """What it may differ by."""

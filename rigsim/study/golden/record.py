@@ -7,7 +7,16 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from rigsim.study.golden.compare import COMMAND, MADE_BY, NOISE_SIGMAS, TABLE, Number, Record, Value, rounded
+from rigsim.study.golden.compare import (
+    COMMAND,
+    MADE_BY,
+    NOISE_SIGMAS,
+    TABLE,
+    GoldenValue,
+    Number,
+    Record,
+    rounded,
+)
 from rigsim.study.golden.errors import standard_error
 from rigsim.study.golden.kinds import EXACT_RELATIVE, IDENTITY, POINTS_RELATIVE, SMALLEST, kind_of
 from rigsim.study.scene.axes import registry
@@ -149,7 +158,7 @@ def _shown(value: Any) -> str:
     return value if isinstance(value, str) else "none" if value is None else f"{float(value):.10g}"
 
 
-def _word(value: Value | bool) -> str:
+def _word(value: GoldenValue | bool) -> str:
     # of an agreement, only its kind: its reason holds numbers
     text = str(value).lower() if isinstance(value, bool) else " ".join(str(value).split())
     kind, colon, _ = text.partition(": ")

@@ -7,7 +7,7 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 from rigsim.present.kit.console import make_console, paragraph, print_table, say
-from rigsim.study.golden.compare import VERDICTS, GoldenReport, Move, Value
+from rigsim.study.golden.compare import VERDICTS, GoldenReport, GoldenValue, Move
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -89,7 +89,7 @@ def _row(move: Move) -> tuple[str, ...]:
     )
 
 
-def _figure(value: Value, unit: str, change: float) -> str:
+def _figure(value: GoldenValue, unit: str, change: float) -> str:
     """A value with as many digits as show the change."""
     if isinstance(value, str):
         return value
