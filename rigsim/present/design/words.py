@@ -47,7 +47,7 @@ def grounds(checks: Sequence[RequirementCheck], scene: str, n_trials: int, metho
         f"verified: simulated in `{scene}` on {n_points} points {_where(errors)}, {n_trials} trials each"
     )
     if n_measured:
-        return f"{simulated}, and measured on {n_measured} {method} in the pictures (sensor: {sensor})"
+        return f"{simulated}, and measured on {n_measured} {method} in renderings (sensor: {sensor})"
     return f"{simulated}; the pictures have too little to measure near those distances"
 
 
@@ -81,6 +81,6 @@ def _objection(found: Objection, scene: str) -> str:
         return f"{simulated}, required is {labels.value(asked, asked.limit, 3)}"
     return (
         f"{simulated} as required, but the measured one is {labels.value(asked, held.measured, 3)} "
-        f"({held.n_measured} matches in the pictures), more than the "
+        f"({held.n_measured} matches in renderings), more than the "
         f"{labels.value(asked, asked.limit, 3)} allowed"
     )
