@@ -106,7 +106,7 @@ def assert_matches_golden(
     """
     __tracebackhide__ = True
     from rigsim.api.kit.golden import hold, record_from
-    from rigsim.present.kit.golden import golden_text
+    from rigsim.present.verify.golden import golden_text
 
     if update is None:
         update = os.environ.get(UPDATE_GOLDEN, "0") not in ("", "0")

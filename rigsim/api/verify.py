@@ -130,8 +130,8 @@ class Verified(Result):
 
     def print(self, folder: Path | None = None) -> None:
         """Print a line a group where all is well, else what failed and how to run it again."""
-        from rigsim.present.kit.golden import print_golden
         from rigsim.present.verify.console import print_verify
+        from rigsim.present.verify.golden import print_golden
 
         print_verify(self.result, self.strict, self.again, folder)
         if self.golden is not None:

@@ -66,7 +66,7 @@ def hold(
 def print_comparison(report: GoldenReport | None) -> None:
     """Print what moved, where it was asked."""
     if report is not None:
-        from rigsim.present.kit.golden import print_golden
+        from rigsim.present.verify.golden import print_golden
 
         print_golden(report)
 

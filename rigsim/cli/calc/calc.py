@@ -120,27 +120,31 @@ def point(options: RigOptions, words: PointWords, golden: GoldenWords) -> None:
     print_facts(facts, title="Point", form=form, document=document, golden=golden)
 
 
-@app.command()
-@takes_rig
-@takes(GoldenWords)
-def depth(
-    options: RigOptions,
-    golden: GoldenWords,
+@dataclass(frozen=True, slots=True)
+class DepthWords:
+    """The options of `rigsim calc depth`, as typed."""
+
     z: Annotated[
         str, typer.Option("--z", metavar="LENGTH", help="Distance Z along the left optical axis: 3m.")
-    ],
-    noise: Noise = "0.25",
-    disparity_error: DisparityError = None,
-    as_json: Json = False,
-    as_csv: Csv = False,
-    as_markdown: Markdown = False,
-) -> None:
+    ]
+    noise: Noise = "0.25"
+    disparity_error: DisparityError = None
+    as_json: Json = False
+    as_csv: Csv = False
+    as_markdown: Markdown = False
+
+
+@app.command()
+@takes_rig
+@takes(DepthWords)
+@takes(GoldenWords)
+def depth(options: RigOptions, words: DepthWords, golden: GoldenWords) -> None:
     """Predict the depth error at a distance, on the left camera's optical axis."""
-    form = Form(as_json, as_csv, as_markdown)
+    form = Form(words.as_json, words.as_csv, words.as_markdown)
     golden.check("calc depth")
     rig = single_rig(options, None)
-    pixel_noise = _noise(noise)
-    depth_mm = _one_distance(z)
+    pixel_noise = _noise(words.noise)
+    depth_mm = _one_distance(words.z)
 
     import numpy as np
 
@@ -151,7 +155,7 @@ def depth(
     on_axis = np.array([0.0, 0.0, depth_mm / 1e3])
     uv_left, uv_right = rig.project(on_axis[None])
     seen = sight.sight_of_point(rig, on_axis, sized=options.has_size)
-    about = _about(rig, on_axis, pixel_noise, disparity_error, seen.by_both)
+    about = _about(rig, on_axis, pixel_noise, words.disparity_error, seen.by_both)
     bias_mm = float(predict_depth_bias(rig, on_axis[None], pixel_noise)[0]) * 1e3
     disparity_px = float(uv_left[0, 0] - uv_right[0, 0])
     facts = [
@@ -169,8 +173,10 @@ def depth(
         ),
     ]
     remarks = [*sight.rig_remarks(rig, sized=options.has_size), *seen.remarks, *about.remarks]
-    if not (seen.by_both or quantity.UNIT.search(z)):
-        remarks.append(Remark("unit", f"depth {z} was taken in mm: write {z}m if metres are meant"))
+    if not (seen.by_both or quantity.UNIT.search(words.z)):
+        remarks.append(
+            Remark("unit", f"depth {words.z} was taken in mm: write {words.z}m if metres are meant")
+        )
 
     def document() -> dict[str, Any]:
         from rigsim.interop.documents.calc import depth_document

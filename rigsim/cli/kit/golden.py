@@ -106,7 +106,7 @@ def golden_document(report: GoldenReport | None) -> dict[str, Any] | None:
 def print_report(report: GoldenReport, stderr: bool) -> None:
     """Print what moved, beside an answer that programs read on standard error."""
     from rigsim.present.kit.console import make_console
-    from rigsim.present.kit.golden import print_golden
+    from rigsim.present.verify.golden import print_golden
 
     print_golden(report, console=make_console(stderr=stderr))
 

@@ -63,7 +63,7 @@ def sentences(design: Design, proofs: Sequence[Proof]) -> tuple[str, ...]:
 
 
 def _budget(pick: Candidate, spec: Specification) -> str:
-    noise, wanted = 100 * pick.noise_share, 100 * spec.build_share
+    noise, wanted = min(100 * pick.noise_share, 100.0), 100 * spec.build_share
     said = (
         f"Pixel noise takes {noise:.3g} % of the allowed variance of the depth error; {100 - noise:.3g} % is "
         "left for build errors"

@@ -48,7 +48,7 @@ def grounds(checks: Sequence[RequirementCheck], scene: str, n_trials: int, metho
         f"{n_trials} trials each"
     )
     if n_measured:
-        return f"{simulated}, and measured on {n_measured} {method} in the pictures (sensor: {sensor})"
+        return f"{simulated}, and measured on {n_measured} {method} in renderings (sensor: {sensor})"
     if not method:
         return f"{simulated}; nothing was measured in the pictures"
     return f"{simulated}; the pictures have too little to measure near those distances"
@@ -103,6 +103,6 @@ def _objection(found: Objection, scene: str) -> str:
         return f"{simulated}, required is {labels.value(asked, asked.limit, 3)}"
     return (
         f"{simulated} as required, but the measured one is {labels.value(asked, held.measured, 3)} "
-        f"({held.n_measured} matches in the pictures), more than the "
+        f"({held.n_measured} matches in renderings), more than the "
         f"{labels.value(asked, asked.limit, 3)} allowed"
     )

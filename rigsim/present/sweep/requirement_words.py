@@ -10,15 +10,15 @@ from rigsim.study.scene import columns as col
 from rigsim.study.scene.columns import COLUMNS
 from rigsim.study.sweep.requirement import (
     DepthRequirement,
-    RequirementVerdict,
     RowsHeld,
+    RowVerdict,
     nearest_miss,
     take,
     verdicts,
 )
 from rigsim.study.sweep.result import SweepResult
 
-WORDS: dict[RequirementVerdict, str] = {"met": "met", "not_met": "not met", "not_shown": "not shown"}
+WORDS: dict[RowVerdict, str] = {"met": "met", "not_met": "not met", "not_shown": "not shown"}
 """How people read a verdict."""
 
 
@@ -73,7 +73,7 @@ def reasons(result: SweepResult) -> list[str]:
     return [*sentences, *_least(result, found, chosen), *_not_shown(held, found)]
 
 
-def _counts(found: Sequence[RequirementVerdict]) -> str:
+def _counts(found: Sequence[RowVerdict]) -> str:
     met, missed, open_ = (found.count(one) for one in WORDS)
     said = [f"{met} of {len(found)} rows {'meets' if met == 1 else 'meet'} it"]
     if missed:
@@ -95,7 +95,7 @@ def _errors(held: Sequence[RowsHeld], place: int) -> str:
     return _listed(parts)
 
 
-def _least(result: SweepResult, found: Sequence[RequirementVerdict], chosen: int | None) -> list[str]:
+def _least(result: SweepResult, found: Sequence[RowVerdict], chosen: int | None) -> list[str]:
     """The shortest baseline that does, where another one is taken."""
     if chosen is None or col.BASELINE not in result.swept or not COLUMNS[col.BASELINE].numeric:
         return []
@@ -107,7 +107,7 @@ def _least(result: SweepResult, found: Sequence[RequirementVerdict], chosen: int
     return [f"The shortest baseline that meets it is {say(col.BASELINE, shortest).partition(' of ')[0]}."]
 
 
-def _not_shown(held: Sequence[RowsHeld], found: Sequence[RequirementVerdict]) -> list[str]:
+def _not_shown(held: Sequence[RowsHeld], found: Sequence[RowVerdict]) -> list[str]:
     """Why something is not shown, and the way out."""
     if "not_shown" not in found:
         return []

@@ -22,8 +22,8 @@ from rigsim.study.agreement.agreement import flagged
 from rigsim.study.scene import columns as col
 from rigsim.study.sweep.comparison import FEWEST_POINTS, row_of_bins, where_mm
 
-RequirementVerdict: TypeAlias = Literal["met", "not_met", "not_shown"]
-VERDICTS: tuple[RequirementVerdict, ...] = get_args(RequirementVerdict)
+RowVerdict: TypeAlias = Literal["met", "not_met", "not_shown"]
+VERDICTS: tuple[RowVerdict, ...] = get_args(RowVerdict)
 """Whether a row keeps what was asked, the best first."""
 
 REACH = 1.25
@@ -51,7 +51,7 @@ class DepthRequirement:
 class RowHeld:
     """One row held to one requirement."""
 
-    verdict: RequirementVerdict
+    verdict: RowVerdict
     """Whether it keeps it."""
     error_mm: float
     """Simulated error at the distance, mm; NaN where the scene has no points there."""
@@ -91,9 +91,9 @@ def hold_rows(
     )
 
 
-def verdicts(held: Sequence[RowsHeld]) -> tuple[RequirementVerdict, ...]:
+def verdicts(held: Sequence[RowsHeld]) -> tuple[RowVerdict, ...]:
     """What each row makes of all requirements: the worst, `not_met` before `not_shown`; none without any."""
-    order: tuple[RequirementVerdict, ...] = ("not_met", "not_shown", "met")
+    order: tuple[RowVerdict, ...] = ("not_met", "not_shown", "met")
     return tuple(
         min((one.verdict for one in row), key=order.index)
         for row in zip(*(one.rows for one in held), strict=True)
@@ -139,7 +139,7 @@ def _held(asked: DepthRequirement, by_depth: pd.DataFrame, lines: Ids) -> RowHel
         spread = _P95_SPREAD * p95 / error if error > 0 else 0.0
         low, high, error = p95 - spread * (error - low), p95 + spread * (high - error), p95
     low, error, high = (scale * one for one in (low, error, high))
-    verdict: RequirementVerdict = "not_shown"
+    verdict: RowVerdict = "not_shown"
     if high <= asked.error_mm:
         verdict = "met"
     elif low > asked.error_mm:
