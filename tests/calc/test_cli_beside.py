@@ -70,7 +70,10 @@ def test_files_side_by_side(
     assert row["baseline_mm"] == 120
 
 
-def test_people_and_tables_get_the_claim_beside_it(capsys: pytest.CaptureFixture[str]) -> None:
+def test_people_and_tables_get_the_claim_beside_it(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "120")
     lines = printed(capsys, "--preset", "oak-d,zed-2i", "--z", "3,4m").rstrip().splitlines()[-4:]
     ends = ["45.0  Z² from 2 % at 4 m", "80.0  2 % at 4 m", "–", "–"]
     for line, name, end in zip(lines, ["oak-d", "oak-d", "zed-2i", "zed-2i"], ends, strict=True):
