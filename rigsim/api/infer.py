@@ -14,7 +14,7 @@ import numpy as np
 from rigsim.api.kit.asked import DepthError, depth_errors
 from rigsim.api.kit.plain import takes
 from rigsim.api.result import Result
-from rigsim.api.rigs import RigLike, Several, read_rig
+from rigsim.api.rigs import RigLike, Several, preset_name, read_rig
 from rigsim.errors import InvalidRange
 from rigsim.rig import given
 from rigsim.rig.remark import Remark
@@ -33,6 +33,7 @@ from rigsim.study.infer.run import (
 if TYPE_CHECKING:
     from rigsim.interop.documents.base import Written
     from rigsim.present.kit.types import Figure, Table
+    from rigsim.rig.catalogue.commercial import Figure as Published
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +116,8 @@ def infer(options: InferOptions) -> Inferred:
 
     Args:
         rig: The rig that they are of: a preset's name, a calibration's path or text, or a rig.
-        depth_error_mm: Standard deviations of depth, mm, each at its own distance.
+        depth_error_mm: Standard deviations of depth, mm, each at its own distance. Of a preset they are what
+            its maker claims where neither errors nor data are given.
         depth_error_pct: The same in percent of the distance, instead.
         at_m: Their distances, m.
         p95: Whether they are 95th percentiles.
@@ -133,6 +135,8 @@ def infer(options: InferOptions) -> Inferred:
         >>> found = rigsim.infer("oak-d", depth_error_pct=[1, 2], at_m=[4, 7])
         >>> len(found.table), found.verdict
         (2, 'untested')
+        >>> len(rigsim.infer("oak-d").table)  # its maker's claims at 4, 7 and 10.5 m
+        3
         >>> found.inference.disparity_std_px < 0.3
         True
     """
@@ -141,8 +145,11 @@ def infer(options: InferOptions) -> Inferred:
     claims = depth_errors(
         options.depth_error_mm, options.depth_error_pct, options.at_m, options.p95, options.errors
     )
-    if bool(claims) == (options.data is not None):
+    if claims and options.data is not None:
         raise InvalidRange("give either depth errors or data: what they are")
+    published: tuple[Remark, ...] = ()
+    if not claims and options.data is None:
+        claims, published = published_claims(options.rig, p95=options.p95)
     if options.to_at_m is not None and options.to is None:
         raise InvalidRange("to_at_m is about another rig: name it by `to`")
     rig = read_rig(options.rig)
@@ -160,7 +167,42 @@ def infer(options: InferOptions) -> Inferred:
         at_m = options.to_at_m
         depths_m = errors.depths_m if at_m is None else np.array(given.reals(at_m, "to_at_m"))
         carried = transfer(inference, other, depths_m)
-    return Inferred(inference, carried, (*said, *remarks(inference, units_written=options.data is None)))
+    return Inferred(
+        inference, carried, (*published, *said, *remarks(inference, units_written=options.data is None))
+    )
+
+
+def published_claims(rig: RigLike, *, p95: bool = False) -> tuple[tuple[DepthError, ...], tuple[Remark, ...]]:
+    """The depth errors that a preset's maker claims, and what to know of them.
+
+    Raises:
+        InvalidRange: `rig` names no preset, or no claim is published of it.
+    """
+    name = preset_name(rig)
+    if name is None:
+        raise InvalidRange(
+            "give either depth errors or data: what they are; only a preset has its maker's claims"
+        )
+    from rigsim.rig.presets import preset
+
+    named = preset(name)
+    if not named.claims:
+        raise InvalidRange(f"{name}: no accuracy is published of it: give depth errors or data")
+    errors = tuple(
+        DepthError((claim.at_mm or 0.0) / 1e3, pct=claim.value, p95=p95, words=_words(claim))
+        for claim in named.claims
+    )
+    doubted = [_words(claim) for claim in named.claims if claim.hearsay]
+    doubt = f"; {', '.join(doubted)} by an unconfirmed user report alone" if doubted else ""
+    text = (
+        f"as published of {name}: {', '.join(error.words for error in errors)}{doubt}; "
+        f"sources by `rigsim presets {name}`"
+    )
+    return errors, (Remark("published", text),)
+
+
+def _words(claim: Published) -> str:
+    return f"{claim.value:g}%@{(claim.at_mm or 0.0) / 1e3:g}m"
 
 
 def _claimed(claims: Sequence[DepthError], rig: StereoRig) -> tuple[ErrorsByDistance, tuple[Remark, ...]]:

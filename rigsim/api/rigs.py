@@ -57,7 +57,7 @@ def read_rig(rig: RigLike) -> StereoRig:
     """
     if isinstance(rig, StereoRig):
         return rig
-    name = _preset_name(rig)
+    name = preset_name(rig)
     if name is not None:
         from rigsim.rig.presets import preset
 
@@ -165,7 +165,7 @@ def told_of(rig: RigLike | None) -> Told:
     Raises:
         OutputError, InvalidRig: as `read_rig`.
     """
-    if rig is None or isinstance(rig, StereoRig) or _preset_name(rig) is not None:
+    if rig is None or isinstance(rig, StereoRig) or preset_name(rig) is not None:
         return Told()
     from rigsim.interop.formats import calibration, rig_toml
 
@@ -195,7 +195,7 @@ def rig_file(rig: RigLike | None) -> str:
     return "rig" if rig is None or isinstance(rig, StereoRig) or "\n" in str(rig) else str(rig)
 
 
-def _preset_name(rig: str | os.PathLike[str]) -> str | None:
+def preset_name(rig: RigLike) -> str | None:
     """The preset that a word names where no file and no folder with a calibration has that name."""
     if not isinstance(rig, str) or "\n" in rig:
         return None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -61,11 +61,16 @@ class InferWords:
 def infer(options: RigOptions, words: InferWords) -> None:
     """Infer the disparity noise that explains depth errors at known distances.
 
-    An error counts as one standard deviation unless --p95 says otherwise.
+    An error counts as one standard deviation unless --p95 says otherwise. A preset's own claims, as its maker
+    publishes them, are taken where neither --claim nor --data is given.
     """
-    if (words.claim is None) == (words.data is None):
+    if words.claim is not None and words.data is not None:
         raise InvalidRange("give either --claim or --data: what the depth errors are")
-    if words.p95 and words.claim is None:
+    if words.claim is None and words.data is None and options.preset is None:
+        raise InvalidRange(
+            "give either --claim or --data: what the depth errors are; or a --preset with a claim"
+        )
+    if words.p95 and words.data is not None:
         raise InvalidRange("--p95 is about --claim: --data holds standard deviations")
     if words.at is not None and words.to is None:
         raise InvalidRange("--at is about another rig: name it by --to")
@@ -78,8 +83,14 @@ def infer(options: RigOptions, words: InferWords) -> None:
         at_m = [mm / 1e3 for mm in quantity.values(words.at, quantity.DEPTH)]
 
     from rigsim.api.infer import infer as run
+    from rigsim.api.infer import published_claims
 
+    odd = options.mode_remarks(rig)
+    if options.preset is not None and not errors and words.data is None:
+        claims, published = published_claims(options.preset, p95=words.p95)
+        errors, odd = list(claims), [*odd, *published]
     result = run(rig, errors=errors, data=words.data, to=other, to_at_m=at_m)
+    result = replace(result, remarks=(*odd, *result.remarks))
     deliver(result, words.out, words.force, words.as_json)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 
@@ -9,7 +10,11 @@ from rigsim.errors import InvalidScene
 from rigsim.rig import given
 from rigsim.rig.catalogue.commercial import CAMERAS, CommercialCamera, Figure, first
 from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
+
+_SAME_ANGLE_DEG = 1.0
+_SAME_BASELINE = 0.01
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +35,47 @@ class Preset:
     def first(self, quantity: str) -> float | None:
         """The published figure of `quantity` that counts, as ``min_depth_mm``; None where there is none."""
         return first(self.figures, quantity)
+
+    @property
+    def claims(self) -> tuple[Figure, ...]:
+        """The accuracies that the maker claims, near to far; of two at one distance the first."""
+        at = {item.at_mm: item for item in reversed(self.figures) if item.quantity == "accuracy_pct"}
+        return tuple(sorted(at.values(), key=lambda item: item.at_mm or 0.0))
+
+    def claim_near(self, depth_mm: float) -> Figure | None:
+        """The claim whose distance is nearest to `depth_mm` in proportion; None where there is none."""
+        return min(self.claims, key=lambda item: abs(math.log(depth_mm / (item.at_mm or 1.0))), default=None)
+
+    @property
+    def sizes(self) -> tuple[tuple[int, int], ...]:
+        """Image sizes (width, height) px that are published."""
+        widths, heights = (
+            [int(item.value) for item in self.figures if item.quantity == name]
+            for name in ("width_px", "height_px")
+        )
+        return tuple(zip(widths, heights, strict=True))
+
+    def odd_mode(self, rig: StereoRig) -> Remark | None:
+        """Whether a rig that started from this camera is one that it has no mode for; None for a scene's."""
+        if not self.figures:
+            return None
+        lens, own = rig.left, self.rig.left
+        odd = []
+        if (lens.width, lens.height) not in self.sizes:
+            published = " or ".join(f"{width}x{height}" for width, height in self.sizes)
+            odd.append(f"{lens.width}x{lens.height} px instead of {published}")
+        angles = (own.hfov_deg, *(item.value for item in self.figures if item.quantity == "hfov_deg"))
+        if min(abs(lens.hfov_deg - angle) for angle in angles) > _SAME_ANGLE_DEG:
+            odd.append(f"{lens.hfov_deg:.3g} deg wide instead of {own.hfov_deg:.3g}")
+        if abs(rig.baseline_m / self.rig.baseline_m - 1) > _SAME_BASELINE:
+            odd.append(f"{rig.baseline_m * 1e3:.4g} mm of baseline instead of {self.rig.baseline_m * 1e3:g}")
+        if not odd:
+            return None
+        return Remark(
+            "mode",
+            f"{self.name}: {', '.join(odd)}, as published: does the camera have such a mode? What its maker "
+            "claims is of the published one",
+        )
 
 
 def _preset(

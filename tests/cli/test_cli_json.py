@@ -48,6 +48,7 @@ def answer(capsys: pytest.CaptureFixture[str], name: str, words: str, code: int 
         ("calc-depth", f"calc depth {RIG} --z 3m"),
         ("calc-depth", "calc depth --z 100m --focal 500 --baseline 100 --disparity-error 1"),
         ("calc-depth", "calc depth --z 2m --preset branch --vergence 5"),
+        ("calc-depth", "calc depth --preset oak-d,zed-2i --z 0.1,3m"),
         ("calc-limits", f"calc limits {RIG}"),
         ("calc-motion", f"calc motion {RIG} --z 3m --time-offset 2ms --turn-rate 30"),
         ("calc-motion", f"calc motion {RIG} --z 50mm --time-offset 2ms --speed 1 --moving rig"),

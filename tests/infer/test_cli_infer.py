@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+import rigsim
 from rigsim.cli.app import run
 from rigsim.interop.formats.rig_toml import write_rig
 from rigsim.rig.presets import preset
@@ -156,7 +157,9 @@ def test_people_get_tables_that_fit(
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        ("--preset oak-d", "give either --claim or --data"),
+        ("--baseline 75 --focal 882", "give either --claim or --data"),
+        ("--preset zed-2i", "zed-2i: no accuracy is published of it: give depth errors or data"),
+        ("--preset bin", "bin: no accuracy is published of it"),
         ("--claim 1%@4m --data a.csv --preset oak-d", "give either --claim or --data"),
         ("--claim 1%@4m", "--baseline is missing"),
         ("--claim 1@4m --preset oak-d", "claim 1@4m: depth error 1 has no unit; write %, mm, cm or m"),
@@ -297,3 +300,38 @@ def test_files_from_spreadsheets_are_read(infer: Any, tmp_path: Path) -> None:
         b"\xef\xbb\xbfnote, depth_std_mm ,distance_mm\r\na,3,1000\r\n,,\r\nb,12,2000\r\nc,27,3000\r\n"
     )
     assert infer(f"--data {spread} --preset oak-d") == infer(f"--data {plain} --preset oak-d")
+
+
+def test_a_preset_has_its_makers_own_claims(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["infer", "--preset", "oak-d", "--json"]) == 0
+    own = json.loads(capsys.readouterr().out)
+    # what Luxonis publishes of the OAK-D: 2 % at 4 m, 4 % at 7 m, 6 % at 10.5 m
+    assert [row["distance_mm"] for row in own["rows"]] == [4000, 7000, 10500]
+    assert [row["depth_std_mm"] for row in own["rows"]] == pytest.approx([80, 280, 630])
+    assert run(["infer", "--preset", "oak-d", "--claim", "2%@4m,4%@7m,6%@10.5m", "--json"]) == 0
+    typed = json.loads(capsys.readouterr().out)
+    (remark,) = own.pop("remarks")
+    assert remark["code"] == "published"
+    assert typed.pop("remarks") == []
+    assert own == typed
+    assert rigsim.infer("oak-d").document()["noise_px"] == pytest.approx(own["noise_px"])
+
+
+def test_a_mode_that_the_camera_does_not_have_is_questioned(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["infer", "--preset", "oak-d", "--resolution", "640x400", "--claim", "1%@4m", "--json"]
+    assert run(words) == 0
+    said = capsys.readouterr()
+    (remark,) = json.loads(said.out)["remarks"]
+    assert remark["code"] == "mode"
+    assert "640x400 px instead of 1280x800, as published: does the camera have such a mode?" in remark["text"]
+    assert said.err.count("rigsim: note:") == 1
+    # what is published in another mode is one: zed-mini's HD2K
+    assert run(["infer", "--preset", "zed-mini", "--resolution", "2208x1242", "--claim", "1%@2m"]) == 0
+    assert "instead of" not in capsys.readouterr().err
+    assert run(["infer", "--preset", "d455", "--baseline", "50", "--hfov", "60", "--claim", "1%@2m"]) == 0
+    assert "60 deg wide instead of 87, 50 mm of baseline instead of 95" in capsys.readouterr().err
+
+
+def test_a_claim_on_a_users_word_is_said_to_be_one() -> None:
+    found = rigsim.infer("d435")
+    assert "2%@2m by an unconfirmed user report alone" in found.remarks[0].text

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
+from rigsim.cli.calc.beside import At, print_beside, row_of
 from rigsim.cli.calc.limits import limits
 from rigsim.cli.calc.motion import motion
 from rigsim.cli.kit import quantity
@@ -17,7 +18,7 @@ from rigsim.cli.kit.facts import Fact, Form, print_facts, values
 from rigsim.cli.kit.golden import GoldenWords
 from rigsim.cli.kit.options import Csv, Json, Markdown, Noise, Principal, single_rig, takes, takes_rig
 from rigsim.cli.kit.rigs import RigOptions
-from rigsim.errors import InvalidRange, RigsimError
+from rigsim.errors import RigsimError
 
 if TYPE_CHECKING:
     from rigsim.rig.arrays import Array
@@ -89,6 +90,7 @@ def point(options: RigOptions, words: PointWords, golden: GoldenWords) -> None:
     residual = sight.residual_px(rig, found, *uv)
     about = _about(rig, found, pixel_noise, words.disparity_error, seen.by_both)
     remarks = [
+        *options.mode_remarks(rig),
         *sight.rig_remarks(rig, sized=options.has_size),
         *seen.remarks,
         *sight.residual_remarks(rig, residual, pixel_noise, *uv),
@@ -125,7 +127,10 @@ class DepthWords:
     """The options of `rigsim calc depth`, as typed."""
 
     z: Annotated[
-        str, typer.Option("--z", metavar="LENGTH", help="Distance Z along the left optical axis: 3m.")
+        str,
+        typer.Option(
+            "--z", metavar="LENGTHS", help="Distances Z along the left optical axis: 3m, or 1,3,6m."
+        ),
     ]
     noise: Noise = "0.25"
     disparity_error: DisparityError = None
@@ -139,13 +144,42 @@ class DepthWords:
 @takes(DepthWords)
 @takes(GoldenWords)
 def depth(options: RigOptions, words: DepthWords, golden: GoldenWords) -> None:
-    """Predict the depth error at a distance, on the left camera's optical axis."""
+    """Predict the depth error at a distance, on the left camera's optical axis.
+
+    --preset a,b or --rig a.toml,b.toml, and several distances, make one table, beside what the makers claim.
+    """
     form = Form(words.as_json, words.as_csv, words.as_markdown)
     golden.check("calc depth")
-    rig = single_rig(options, None)
+    rigs = [(name, one, single_rig(one, None)) for name, one in options.each()]
     pixel_noise = _noise(words.noise)
-    depth_mm = _one_distance(words.z)
+    depths_mm = quantity.distances(words.z)
+    at = [
+        At(name, depth_mm, rig, one.preset, *_depth_at(one, rig, depth_mm, words, pixel_noise))
+        for name, one, rig in rigs
+        for depth_mm in depths_mm
+    ]
+    if len(at) > 1:
+        print_beside(at, pixel_noise.std_px, form, golden)
+        return
+    facts, remarks = at[0].facts, at[0].remarks
 
+    def document() -> dict[str, Any]:
+        from rigsim.interop.documents.calc import depth_document
+
+        return depth_document(values(facts), remarks, [row_of(at[0])])
+
+    print_remarks(remarks)
+    print_facts(facts, title="Depth", form=form, document=document, golden=golden)
+
+
+def _depth_at(
+    options: RigOptions,
+    rig: StereoRig,
+    depth_mm: float,
+    words: DepthWords,
+    noise: PixelNoise,
+) -> tuple[list[Fact], list[Remark]]:
+    """What is told of one rig at one distance, and what is odd about it."""
     import numpy as np
 
     from rigsim.rig.remark import Remark
@@ -155,8 +189,8 @@ def depth(options: RigOptions, words: DepthWords, golden: GoldenWords) -> None:
     on_axis = np.array([0.0, 0.0, depth_mm / 1e3])
     uv_left, uv_right = rig.project(on_axis[None])
     seen = sight.sight_of_point(rig, on_axis, sized=options.has_size)
-    about = _about(rig, on_axis, pixel_noise, words.disparity_error, seen.by_both)
-    bias_mm = float(predict_depth_bias(rig, on_axis[None], pixel_noise)[0]) * 1e3
+    about = _about(rig, on_axis, noise, words.disparity_error, seen.by_both)
+    bias_mm = float(predict_depth_bias(rig, on_axis[None], noise)[0]) * 1e3
     disparity_px = float(uv_left[0, 0] - uv_right[0, 0])
     facts = [
         Fact("seen_by", "seen by", seen.seen_by, "", _whose(options, "which cameras see the point")),
@@ -172,19 +206,16 @@ def depth(options: RigOptions, words: DepthWords, golden: GoldenWords) -> None:
             "mean error of many noisy measurements",
         ),
     ]
-    remarks = [*sight.rig_remarks(rig, sized=options.has_size), *seen.remarks, *about.remarks]
+    remarks = [
+        *options.mode_remarks(rig),
+        *sight.rig_remarks(rig, sized=options.has_size),
+        *seen.remarks,
+        *about.remarks,
+    ]
     if not (seen.by_both or quantity.UNIT.search(words.z)):
-        remarks.append(
-            Remark("unit", f"depth {words.z} was taken in mm: write {words.z}m if metres are meant")
-        )
-
-    def document() -> dict[str, Any]:
-        from rigsim.interop.documents.calc import depth_document
-
-        return depth_document(values(facts), remarks)
-
-    print_remarks(remarks)
-    print_facts(facts, title="Depth", form=form, document=document, golden=golden)
+        says = f"depth {words.z} was taken in mm: write {words.z}m if metres are meant"
+        remarks.append(Remark("unit", says))
+    return facts, remarks
 
 
 app.command()(limits)
@@ -244,13 +275,6 @@ def _residual_facts(residual: float, noise: PixelNoise) -> list[Fact]:
         Fact("residual_px", "residual", residual, "px", "reprojection error of the pixel pair"),
         Fact("residual_sigma", "residual / noise", sigmas, "", "over 3 is unusual for a matching pair"),
     ]
-
-
-def _one_distance(text: str) -> float:
-    found = quantity.distances(text)
-    if len(found) != 1:
-        raise InvalidRange(f"depth {text}: {len(found)} distances; give one, or --z to calc limits")
-    return found[0]
 
 
 def _if(told: bool, value: float) -> float:

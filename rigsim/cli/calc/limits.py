@@ -78,7 +78,7 @@ def limits(options: RigOptions, words: LimitsWords, golden: GoldenWords) -> None
     shift_px = quantity.value(shift, quantity.DISPARITY) if shift is not None else 0.0
     reached = _reach(rig, search, reach) if reach is not None else _Reached(shift_px, "added to both", ())
 
-    _tell(rig, depths_mm, search, reached, form, golden)
+    _tell(rig, depths_mm, search, reached, form, golden, options.mode_remarks(rig))
 
 
 def _tell(
@@ -88,6 +88,7 @@ def _tell(
     reached: _Reached,
     form: Form,
     golden: GoldenWords,
+    odd: Sequence[Remark],
 ) -> None:
     from rigsim.study.calc.limits import limit_remarks
     from rigsim.study.calc.sight import rig_remarks
@@ -95,6 +96,7 @@ def _tell(
     ahead = [*_rig_facts(rig), *_search_facts(rig, search, reached)]
     at = [_facts_at(rig, depth_mm) for depth_mm in depths_mm]
     remarks = [
+        *odd,
         *rig_remarks(rig, sized=True),
         *reached.remarks,
         *limit_remarks(rig, [depth_mm / 1e3 for depth_mm in depths_mm]),

@@ -86,6 +86,7 @@ def motion(options: RigOptions, words: MotionWords) -> None:
         ),
     ]
     remarks = [
+        *options.mode_remarks(rig),
         *sight.rig_remarks(rig, sized=options.has_size),
         *seen.remarks,
         *study.motion_remarks(found, depth_mm / 1e3),

@@ -60,6 +60,7 @@ def print_facts(
     document: Callable[[], Mapping[str, Any]],
     rows: Sequence[Sequence[Fact]] | None = None,
     golden: GoldenWords | None = None,
+    show: Callable[[], None] | None = None,
 ) -> None:
     """Print `facts` on standard output.
 
@@ -73,6 +74,7 @@ def print_facts(
         document: makes what JSON holds.
         rows: facts of CSV, a sequence a line; one line of `facts` by default.
         golden: golden results to compare with, as typed; the title says of which command.
+        show: what prints for people and Markdown instead of the facts' own table.
 
     Raises:
         typer.Exit: a golden number moved.
@@ -81,7 +83,10 @@ def print_facts(
     if form.json:
         print_document({**document(), "golden": golden_document(report)})
     else:
-        _print(facts, title, form, rows or [facts])
+        if show is None or form.csv:
+            _print(facts, title, form, rows or [facts])
+        else:
+            show()
         if report is not None:
             print_report(report, stderr=form.csv or form.markdown)
     leave_where_moved(report)

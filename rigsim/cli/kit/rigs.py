@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from rigsim.errors import InvalidRange
 from rigsim.study.scene.axes import registry
 
 if TYPE_CHECKING:
+    from rigsim.rig.remark import Remark
     from rigsim.rig.stereo import StereoRig
     from rigsim.study.scene.plan import RigGrid
 
@@ -67,6 +68,37 @@ class RigOptions:
             return read_calibration(self.rig)
         name = self.preset or (scene if scene in PRESETS else DEFAULT_PRESET)
         return preset(name).rig
+
+    def each(self) -> list[tuple[str, RigOptions]]:
+        """One for each rig of ``--preset a,b`` or ``--rig a.toml,b.toml``, and what it is called.
+
+        Raises:
+            InvalidRange: a name is empty, or given twice.
+        """
+        field, text = ("preset", self.preset) if self.rig is None else ("rig", str(self.rig))
+        if text is None:
+            return [("rig", self)]
+        whole = "," not in text or (field == "rig" and Path(text).exists())
+        names = [text] if whole else [part.strip() for part in text.split(",")]
+        if not all(names):
+            raise InvalidRange(f"--{field} {text}: a name is missing; write them with commas between")
+        twice = next((name for place, name in enumerate(names) if name in names[:place]), None)
+        if twice is not None:
+            raise InvalidRange(f"--{field} {text}: {twice} is given twice; remove one")
+        if field == "rig":
+            return [(name, replace(self, rig=Path(name))) for name in names]
+        from rigsim.rig.presets import preset
+
+        return [(preset(name).name, replace(self, preset=name)) for name in names]
+
+    def mode_remarks(self, rig: StereoRig) -> list[Remark]:
+        """What is odd about a rig that started from a camera one can buy."""
+        if self.preset is None:
+            return []
+        from rigsim.rig.presets import preset
+
+        odd = preset(self.preset).odd_mode(rig)
+        return [] if odd is None else [odd]
 
     def disparity_range(self) -> tuple[float, float] | None:
         """Disparities to search, px, as a Middlebury calib.txt says; None where nothing says."""

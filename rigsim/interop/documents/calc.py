@@ -19,18 +19,52 @@ Values: TypeAlias = Mapping[str, Any]
 SeenBy = Literal["both", "left", "right", "neither"]
 
 
-class CalcDepthDocument(Part):
-    """The depth error at a distance."""
+class DepthRow(Part):
+    """One rig at one distance."""
 
-    seen_by: SeenBy
-    """Which cameras see the point; unless both do, no disparity and no error is told."""
-    z: float
+    rig: str
+    """Its name: the preset's, or the file's as it was typed; ``rig`` where it has none."""
+    z_mm: float
     """Depth, on the left camera's optical axis, mm."""
+    depth_std_mm: float | None
+    """Standard deviation of the depth for this noise, mm; null unless both cameras see the point."""
+    depth_near_mm: float | None
+    """Nearest depth when the disparity is off by its error, mm."""
+    depth_far_mm: float | None
+    """Farthest depth when the disparity is off by its error, mm; null as well without bound."""
+    depth_bias_mm: float | None
+    """Mean error of many noisy measurements, mm."""
+    seen_by: SeenBy
+    """Which cameras see the point."""
+    baseline_mm: float
+    """Distance between the cameras, mm."""
     focal_px: float
     """Focal length of the left camera, px."""
     disparity_px: float | None
+    """``u_left - u_right``, px."""
+    claimed_mm: float | None
+    """The maker's claim, carried from its own distance to this one by the square of the distance, mm; null
+    where none is published of a preset."""
+    claimed_pct: float | None
+    """The claim itself: percent of its own distance."""
+    claimed_at_mm: float | None
+    """Its own distance, mm."""
+    claim_source: str
+    """Page and address of the claim; may be empty."""
+
+
+class CalcDepthDocument(Part):
+    """The depth error at a distance; of several rigs or distances in `rows` alone, the rest null."""
+
+    seen_by: SeenBy | None
+    """Which cameras see the point; unless both do, no disparity and no error is told."""
+    z: float | None
+    """Depth, on the left camera's optical axis, mm."""
+    focal_px: float | None
+    """Focal length of the left camera, px."""
+    disparity_px: float | None
     """``u_left - u_right``, px; null unless both cameras see the point."""
-    world_per_pixel: float
+    world_per_pixel: float | None
     """Width of a pixel at this depth, mm."""
     depth_std: float | None
     """Standard deviation of the depth for this noise, mm; null unless both cameras see the point."""
@@ -40,8 +74,10 @@ class CalcDepthDocument(Part):
     """Farthest depth when the disparity is off by its error, mm; null as well without bound."""
     depth_bias: float | None
     """Mean error of many noisy measurements, mm; null unless both cameras see the point."""
+    rows: list[DepthRow]
+    """Every rig at every distance, in the order given."""
     remarks: list[RemarkPart]
-    """What is odd: who does not see the point and why, too much noise, an unlikely lens."""
+    """What is odd: who does not see the point and why, too much noise, an unlikely lens, a camera's mode."""
     golden: Golden | None
     """Null without --golden and --update."""
     unit: Literal["mm"]
@@ -216,9 +252,17 @@ def point_document(values: Values, uv_origin: str, remarks: Iterable[Remark]) ->
     return CalcPointDocument(**values, **rest).model_dump()
 
 
-def depth_document(values: Values, remarks: Iterable[Remark]) -> dict[str, Any]:
-    """What ``rigsim calc depth --json`` prints."""
-    return CalcDepthDocument(**values, remarks=_told(remarks), golden=None, unit="mm").model_dump()
+def depth_document(values: Values, remarks: Iterable[Remark], rows: Sequence[Values]) -> dict[str, Any]:
+    """What ``rigsim calc depth --json`` prints.
+
+    Args:
+        values: the numbers of the one rig at the one distance; None each where there are several.
+        remarks: what is odd.
+        rows: every rig at every distance.
+    """
+    return CalcDepthDocument(
+        **values, rows=[DepthRow(**row) for row in rows], remarks=_told(remarks), golden=None, unit="mm"
+    ).model_dump()
 
 
 def limits_document(values: Values, at: Sequence[Values], remarks: Iterable[Remark]) -> dict[str, Any]:

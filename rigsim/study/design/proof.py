@@ -21,7 +21,7 @@ from rigsim.study.design import words as words
 from rigsim.study.design.checks import RequirementCheck, RigInScene, check
 from rigsim.study.design.solve import Candidate, Design, Specification, solve
 from rigsim.study.saying import saying
-from rigsim.study.sweep.requirement import RequirementVerdict
+from rigsim.study.sweep.requirement import RowVerdict
 from rigsim.theory.inverse import GATES, LOWER
 
 if TYPE_CHECKING:
@@ -240,9 +240,7 @@ def held_to(asked: Requirement, pick: Candidate, proofs: Sequence[Proof]) -> Req
     return next((held for held in checks if held.requirement == asked), None)
 
 
-def verdict(
-    asked: Requirement, pick: Candidate, proofs: Sequence[Proof], spec: Specification
-) -> RequirementVerdict:
+def verdict(asked: Requirement, pick: Candidate, proofs: Sequence[Proof], spec: Specification) -> RowVerdict:
     """What is known of one requirement: by its proof, and by the formulas where nothing was tried."""
     held = held_to(asked, pick, proofs)
     formula = asked.is_met(asked.achieved(pick.camera, pick.baseline_m, spec.disparity_std_px))

@@ -1,0 +1,111 @@
+"""`rigsim calc depth` of several rigs or distances: one table, beside what the makers claim."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import rigsim
+from rigsim.cli.app import run
+from rigsim.interop.formats.rig_toml import write_rig
+
+
+def printed(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    assert run(["calc", "depth", *words]) == 0
+    return capsys.readouterr().out
+
+
+def document(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(printed(capsys, *words, "--json"))
+    return found
+
+
+def test_presets_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
+    found = document(capsys, "--preset", "oak-d,ZED 2i", "--z", "1,4,8m")
+    rows = found["rows"]
+    assert [(row["rig"], row["z_mm"]) for row in rows] == [
+        (name, z) for name in ("oak-d", "zed-2i") for z in (1000, 4000, 8000)
+    ]
+    for row, (focal_px, baseline_mm) in zip(rows, [(882.5, 75)] * 3 + [(609.53, 120)] * 3, strict=True):
+        # sigma_Z = Z^2 sqrt(2) 0.25 / (f B), and 3 (sigma_Z / Z)^2 more in the variance
+        first_mm = row["z_mm"] ** 2 * 2**0.5 * 0.25 / (focal_px * baseline_mm)
+        assert row["depth_std_mm"] == pytest.approx(first_mm, rel=2e-3)
+        assert (row["baseline_mm"], row["focal_px"]) == (baseline_mm, pytest.approx(focal_px, abs=0.1))
+    # 2 % of 4 m are 80 mm, 5 mm at 1 m by the square; at 8 m the claim at 7 m is nearer: 280 x (8/7)^2
+    assert [row["claimed_mm"] for row in rows[:3]] == pytest.approx([5, 80, 280 * (8 / 7) ** 2])
+    assert [row["claimed_at_mm"] for row in rows[:3]] == [4000, 4000, 7000]
+    assert "Luxonis" in rows[0]["claim_source"]
+    assert [row["claimed_mm"] for row in rows[3:]] == [None] * 3
+    assert {found[key] for key in ("z", "depth_std", "seen_by", "focal_px")} == {None}
+
+
+def test_one_rig_at_one_distance_is_told_flat_and_as_a_row(capsys: pytest.CaptureFixture[str]) -> None:
+    found = document(capsys, "--preset", "oak-d", "--z", "4m")
+    (row,) = found["rows"]
+    for key in ("depth_std", "depth_near", "depth_far", "depth_bias"):
+        assert row[f"{key}_mm"] == found[key] is not None
+    assert (row["rig"], row["z_mm"], row["disparity_px"]) == ("oak-d", found["z"], found["disparity_px"])
+    typed = document(capsys, "--baseline", "100", "--focal", "1000", "--z", "1,2m")
+    assert [(row["rig"], row["claimed_mm"], row["claim_source"]) for row in typed["rows"]] == [
+        ("rig", None, "")
+    ] * 2
+
+
+def test_files_side_by_side(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("a.toml").write_text(write_rig(rigsim.preset("oak-d").rig))
+    Path("b.toml").write_text(write_rig(rigsim.preset("bin").rig))
+    rows = document(capsys, "--rig", "a.toml,b.toml", "--z", "1m")["rows"]
+    assert [(row["rig"], row["baseline_mm"]) for row in rows] == [("a.toml", 75), ("b.toml", 60)]
+    assert rows[0]["claimed_mm"] is None  # a file is no preset
+    Path("a.toml,b.toml").write_text(write_rig(rigsim.preset("boards").rig))
+    (row,) = document(capsys, "--rig", "a.toml,b.toml", "--z", "1m")["rows"]
+    assert row["baseline_mm"] == 120
+
+
+def test_people_and_tables_get_the_claim_beside_it(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "120")
+    lines = printed(capsys, "--preset", "oak-d,zed-2i", "--z", "3,4m").rstrip().splitlines()[-4:]
+    ends = ["45.0  Z² from 2 % at 4 m", "80.0  2 % at 4 m", "–", "–"]
+    for line, name, end in zip(lines, ["oak-d", "oak-d", "zed-2i", "zed-2i"], ends, strict=True):
+        assert line.startswith(name)
+        assert line.rstrip().endswith(end)
+    assert "claim" not in printed(capsys, "--preset", "boards", "--z", "3,4m")
+    text = printed(capsys, "--preset", "oak-d,zed-2i", "--z", "3m", "--csv")
+    rows = list(csv.DictReader(io.StringIO(text)))
+    assert [row["rig"] for row in rows] == ["oak-d", "zed-2i"]
+    assert float(rows[0]["claimed"]) == pytest.approx(45)
+    table = printed(capsys, "--preset", "oak-d,zed-2i", "--z", "3m", "--markdown").splitlines()
+    assert len(table) == 4
+    assert {line.count("|") for line in table} == {9}
+
+
+def test_what_is_odd_names_its_rig(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ("--preset", "oak-d,d435", "--z", "0.1,1m", "--resolution", "640x400")
+    said = [remark["text"] for remark in document(capsys, *words)["remarks"]]
+    assert sum("does the camera have such a mode" in text for text in said) == 2
+    assert any(
+        text.startswith("oak-d: the right camera does not see the point at Z = 100 mm") for text in said
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--preset", "oak-d,"], "--preset oak-d,: a name is missing"),
+        (["--preset", "oak-d,oak-d"], "--preset oak-d,oak-d: oak-d is given twice; remove one"),
+        (["--preset", "oak-d,nothing"], "unknown preset 'nothing'"),
+    ],
+)
+def test_names_that_are_none(words: list[str], told: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["calc", "depth", *words, "--z", "1m"]) in (1, 2)
+    assert told in capsys.readouterr().err
