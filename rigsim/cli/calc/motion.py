@@ -11,6 +11,7 @@ import typer
 from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import print_remarks
 from rigsim.cli.kit.facts import Fact, Form, print_facts, values
+from rigsim.cli.kit.golden import GoldenWords
 from rigsim.cli.kit.options import Csv, Json, Markdown, Noise, single_rig, takes, takes_rig
 from rigsim.cli.kit.rigs import RigOptions
 from rigsim.errors import InvalidRange
@@ -53,12 +54,14 @@ class MotionWords:
 
 @takes_rig
 @takes(MotionWords)
-def motion(options: RigOptions, words: MotionWords) -> None:
+@takes(GoldenWords)
+def motion(options: RigOptions, words: MotionWords, golden: GoldenWords) -> None:
     """Tell what a time offset between the cameras does to a distance while the rig or an object moves.
 
     The shift is of the point in the right picture, against one taken at once.
     """
     form = Form(words.as_json, words.as_csv, words.as_markdown)
+    golden.check("calc motion")
     rig = single_rig(options, None)
     moved = _motion(words)
     depth_mm, *more = quantity.distances(words.z)
@@ -98,7 +101,7 @@ def motion(options: RigOptions, words: MotionWords) -> None:
         return motion_document(values(facts), moved, remarks)
 
     print_remarks(remarks)
-    print_facts(facts, title=f"Motion: {_says(moved)}", form=form, document=document)
+    print_facts(facts, title="Motion", form=form, document=document, golden=golden, says=_says(moved))
 
 
 def _motion(words: MotionWords) -> Motion:

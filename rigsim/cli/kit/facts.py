@@ -61,6 +61,7 @@ def print_facts(
     rows: Sequence[Sequence[Fact]] | None = None,
     golden: GoldenWords | None = None,
     show: Callable[[], None] | None = None,
+    says: str = "",
 ) -> None:
     """Print `facts` on standard output.
 
@@ -75,6 +76,7 @@ def print_facts(
         rows: facts of CSV, a sequence a line; one line of `facts` by default.
         golden: golden results to compare with, as typed; the title says of which command.
         show: what prints for people and Markdown instead of the facts' own table.
+        says: what follows the title.
 
     Raises:
         typer.Exit: a golden number moved.
@@ -84,7 +86,7 @@ def print_facts(
         print_document({**document(), "golden": golden_document(report)})
     else:
         if show is None or form.csv:
-            _print(facts, title, form, rows or [facts])
+            _print(facts, f"{title}: {says}" if says else title, form, rows or [facts])
         else:
             show()
         if report is not None:

@@ -163,6 +163,8 @@ class CalcMotionDocument(Part):
     motion: MotionPart
     remarks: list[RemarkPart]
     """What is odd: who does not see the point, rows that a matcher would miss, no depth."""
+    golden: Golden | None
+    """Null without --golden and --update."""
     unit: Literal["mm"]
     """Unit of the keys that name none."""
 
@@ -295,7 +297,7 @@ def motion_document(values: Values, motion: Motion, remarks: Iterable[Remark]) -
         "moving": motion.moving,
     }
     return CalcMotionDocument(
-        **values, motion=MotionPart(**part), remarks=_told(remarks), unit="mm"
+        **values, motion=MotionPart(**part), remarks=_told(remarks), golden=None, unit="mm"
     ).model_dump()
 
 

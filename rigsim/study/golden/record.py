@@ -32,6 +32,7 @@ _TELLING = {
     "calc point": "uv_origin",
     "calc limits": "blind_zone",
     "calc depth": "depth_bias",
+    "calc motion": "most_along_px",
 }
 """A key of the document of each command, which those after it may have as well."""
 _UNITS = {"_per_m": "1/m", "_mm": "mm", "_px": "px", "_deg": "deg", "_pct": "%", "_m": "m"}
@@ -39,6 +40,7 @@ _LENGTHS_OF_CALC = frozenset(
     (
         "x", "y", "z", "world_per_pixel", "depth_std", "depth_near", "depth_far", "depth_bias", "depth_step",
         "blind_zone", "min_depth", "max_depth", "overlap_width", "overlap_height", "dead_band",
+        "depth_error", "most_depth_error",
     )
 )  # fmt: skip
 
