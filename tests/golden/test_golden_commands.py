@@ -109,6 +109,26 @@ def test_rows_are_told_apart_by_what_they_are_about_not_by_their_place() -> None
     assert compare([before], [swapped]).count("same") == len(before.numbers) == 4
 
 
+def test_rigs_side_by_side_are_told_apart_by_name_and_distance() -> None:
+    cells = [{"rig": rig, "z_mm": z, "depth_std_mm": z / 100} for rig in ("a", "b") for z in (1000.0, 3000.0)]
+    before = document_record("calc depth", {"rows": cells}, {})
+    assert {number.name for number in before.numbers} == {
+        f"rows[rig={rig}, z_mm={z}] depth_std_mm" for rig in ("a", "b") for z in (1000, 3000)
+    }
+    assert compare([before], [document_record("calc depth", {"rows": cells[::-1]}, {})]).passed
+
+
+def test_the_rows_of_built_rigs_are_statistics() -> None:
+    # another version builds the same rigs, or nearly: 2000 of them scatter by 1 / sqrt(2000), 2.2 %
+    def built(px: float, version: str) -> Record:
+        depth = {"distance_mm": 3000.0, "per_rig_row_p95_px": px, "first_order_row_px": 0.4}
+        return document_record("tolerance", {"rigs": 2000, "depths": [depth]}, {"rigsim": version})
+
+    assert compare([built(0.8, "1")], [built(0.82, "2")]).passed
+    assert not compare([built(0.8, "1")], [built(0.82, "1")]).passed
+    assert not compare([built(0.8, "1")], [built(0.95, "2")]).passed
+
+
 def test_every_column_of_a_sweep_has_its_tolerance() -> None:
     axes = {*columns.AXES, "scene", "n_points", "n_trials", "measured_method"}
     plain = [
@@ -151,7 +171,7 @@ def test_calc_is_held_to_a_billionth_and_exits_with_3(
     file = tmp_path / "golden" / "calc-depth.csv"
     # by hand: disparity = 1000 px x 100 mm / 2 m = 50 px
     assert "disparity_px,50,px," in file.read_text()
-    edit(file, "disparity_px,50,px", "disparity_px,50.001,px")
+    edit(file, "\ndisparity_px,50,px", "\ndisparity_px,50.001,px")
     assert run([*DEPTH, "--golden", str(file), "--json"]) == 3
     (move,) = valid("calc-depth", capsys.readouterr().out)["golden"]["moves"]
     assert (move["number"], move["before"], move["now"]) == ("disparity_px", 50.001, 50.0)

@@ -42,6 +42,7 @@ LEFT_OUT = frozenset(
 """Keys, or ends of paths, that hold nothing to compare."""
 
 IDENTITY: dict[str, tuple[str, ...]] = {
+    "rows": ("rig", "z_mm"),
     "by_depth": ("depth_near_mm", "depth_far_mm"),
     "quantities": ("quantity",),
     "requirements": ("requirement", "statistic", "at_mm"),
@@ -136,6 +137,17 @@ _OF_TOLERANCE: dict[str, Kind] = {
     "sobol_total": "simulated",
     "sobol_bias_first": "simulated",
     "sobol_bias_total": "simulated",
+    "as_built_px": "simulated",
+    "not_rectified_px": "simulated",
+    "recalibrated_px": "simulated",
+    "recalibrated_informed_px": "simulated",
+    "simulated_row_px": "simulated",
+    "not_rectified_row_px": "simulated",
+    **{
+        f"{who}_row_p{level}_px": "simulated"
+        for who in ("per_rig", "recalibrated", "informed")
+        for level in (50, 95)
+    },
     **{
         f"{who}{noise}_p{level}_mm": "simulated"
         for who in ("per_rig", "recalibrated", "informed")
