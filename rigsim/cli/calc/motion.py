@@ -101,7 +101,7 @@ def motion(options: RigOptions, words: MotionWords, golden: GoldenWords) -> None
         return motion_document(values(facts), moved, remarks)
 
     print_remarks(remarks)
-    print_facts(facts, title="Motion", form=form, document=document, golden=golden, says=_says(moved))
+    print_facts(facts, title=f"Motion: {_says(moved)}", form=form, document=document, golden=golden)
 
 
 def _motion(words: MotionWords) -> Motion:

@@ -61,7 +61,6 @@ def print_facts(
     rows: Sequence[Sequence[Fact]] | None = None,
     golden: GoldenWords | None = None,
     show: Callable[[], None] | None = None,
-    says: str = "",
 ) -> None:
     """Print `facts` on standard output.
 
@@ -70,23 +69,22 @@ def print_facts(
 
     Args:
         facts: what is told.
-        title: heading of the table.
+        title: heading of the table; up to a colon it is the command's name.
         form: for whom.
         document: makes what JSON holds.
         rows: facts of CSV, a sequence a line; one line of `facts` by default.
         golden: golden results to compare with, as typed; the title says of which command.
         show: what prints for people and Markdown instead of the facts' own table.
-        says: what follows the title.
 
     Raises:
         typer.Exit: a golden number moved.
     """
-    report = None if golden is None else golden.report(f"calc {title.lower()}", document)
+    report = None if golden is None else golden.report(f"calc {title.partition(':')[0].lower()}", document)
     if form.json:
         print_document({**document(), "golden": golden_document(report)})
     else:
         if show is None or form.csv:
-            _print(facts, f"{title}: {says}" if says else title, form, rows or [facts])
+            _print(facts, title, form, rows or [facts])
         else:
             show()
         if report is not None:
