@@ -69,7 +69,7 @@ def print_facts(
 
     Args:
         facts: what is told.
-        title: heading of the table.
+        title: heading of the table; up to a colon it is the command's name.
         form: for whom.
         document: makes what JSON holds.
         rows: facts of CSV, a sequence a line; one line of `facts` by default.
