@@ -50,6 +50,23 @@ def print_tolerance(result: ToleranceResult, folder: Path | None = None) -> None
         ],
         numeric=(False, True, True, True, True, True, True, False),
     )
+    _print_built(result)
+    _print_rows(result)
+    console = make_console()
+    for sentence in (
+        yield_sentence(result),
+        informed_sentence(result),
+        rows_sentence(result),
+        interactions_sentence(result),
+        recalibration_sentence(result),
+    ):
+        if sentence:
+            paragraph(console, sentence)
+    if folder is not None:
+        console.print(f"Files: {folder}", soft_wrap=True)
+
+
+def _print_built(result: ToleranceResult) -> None:
     print_table(
         f"{result.n_rigs} rigs built within tolerance: depth error over the image, mm; rigs with pixel noise",
         (
@@ -80,19 +97,6 @@ def print_tolerance(result: ToleranceResult, folder: Path | None = None) -> None
         ],
         numeric=(*[True] * 8, False),
     )
-    _print_rows(result)
-    console = make_console()
-    for sentence in (
-        yield_sentence(result),
-        informed_sentence(result),
-        rows_sentence(result),
-        interactions_sentence(result),
-        recalibration_sentence(result),
-    ):
-        if sentence:
-            paragraph(console, sentence)
-    if folder is not None:
-        console.print(f"Files: {folder}", soft_wrap=True)
 
 
 def _head(name: str, unit: bool = True) -> str:
