@@ -133,8 +133,7 @@ def depth_errors(
     of which knows nothing beforehand, and the second the tolerances; both see the same pictures.
     """
     points = np.concatenate(list(planes.values()))
-    ends = np.cumsum([0, *map(len, planes.values())])
-    cuts = [slice(int(start), int(stop)) for start, stop in pairwise(ends)]
+    cuts = _cuts(planes)
     scaled, scaled_rows = first_order(rig, off, points), first_order_rows(rig, off, points)
     linear, as_seen = np.empty((len(cuts), len(built))), np.empty((len(cuts), len(built)))
     assumed = RigBatch(rig, np.zeros((1, len(PARAMETERS))))
@@ -155,8 +154,7 @@ def depth_errors(
             observed = compensators[0].observe(known, rng)
         for compensator in compensators:
             batch = RigBatch(rig, compensator.solve(*observed))
-            own = batch.rays(pixels, rays)
-            found.append((batch.triangulate(own)[2], row_errors_px(batch, own)))
+            found.append(_own_reading(batch, batch.rays(pixels, rays)))
         for per_depth, (depths, rows) in zip(seen, found, strict=True):
             for rigs, cut, judge in zip(per_depth, cuts, judges, strict=True):
                 rigs.append(_judged(depths[:, cut], rows[:, cut], judge))
@@ -180,6 +178,17 @@ def depth_errors(
             )
         )
     return tuple(result)
+
+
+def _cuts(planes: Mapping[float, Array]) -> list[slice]:
+    """Which of all points lie at each depth."""
+    ends = np.cumsum([0, *map(len, planes.values())])
+    return [slice(int(start), int(stop)) for start, stop in pairwise(ends)]
+
+
+def _own_reading(batch: RigBatch, rays: Rays) -> tuple[Array, Array]:
+    """Depths (n, m) m and rows (n, m) px that rigs read with their own calibrations."""
+    return batch.triangulate(rays)[2], row_errors_px(batch, rays)
 
 
 def _judged(depths: Array, rows: Array, judge: Judge) -> Rigs:
