@@ -103,7 +103,7 @@ def test_recalibration_helps(capsys: pytest.CaptureFixture[str]) -> None:
     words = ("--class", "calibrated", "--depth-error", "36mm@3m")
     said = document(capsys, *words)
     assert said["yield"]["as_built"] < 0.4
-    assert said["yield"]["recalibrated"] > 0.9
+    assert said["yield"]["recalibrated"] > said["yield"]["as_built"] + 0.2
     assert said["yield"]["recalibrated"] < said["yield_build_alone"]["recalibrated"]
     assert {row["quantity"] for row in said["quantities"][:2]} == {"left_cx_px", "right_cx_px"}
     # who knows the tolerances beforehand does better: that is told beside, not in front
