@@ -17,7 +17,7 @@ from rigsim.present.design.console import (
     shown_by_words,
 )
 from rigsim.present.design.figures import pareto_figure, plan_figure, region_figure
-from rigsim.present.design.tolerance import tolerance_says
+from rigsim.present.design.tolerance import limit_says, tolerance_says
 from rigsim.present.design.words import badge
 from rigsim.present.design.words import noise as noise_from
 from rigsim.present.kit import style
@@ -63,7 +63,7 @@ def design_html(
         verified=badge(proofs).replace("Verified", "Verified by simulation"),
         proved=bool(proofs),
         headline=headline(design, proofs),
-        sentences=sentences(design, proofs),
+        sentences=[*sentences(design, proofs), *([] if tolerance is None else [limit_says(tolerance)])],
         requirements=requirement_rows(design, proofs),
         shown_by=shown_by_words(design, proofs),
         region=Markup(style.to_svg(region_figure(design, pick), "region", "Feasible region")),
