@@ -69,7 +69,7 @@ def make_rig(options: MakeRigOptions) -> StereoRig:
         >>> import rigsim
         >>> rig = rigsim.make_rig(baseline_mm=120, focal_px=900, resolution_px=(1280, 720), vertical_mm=3)
         >>> uv_left, uv_right = rig.project([[0, 0, 1.0]])
-        >>> float(uv_right[0, 1] - uv_left[0, 1])  # the right camera is lower: it sees the point higher up
+        >>> round(float(uv_right[0, 1] - uv_left[0, 1]), 9)  # the right camera is lower: it sees it higher
         -2.7
     """
     if options.rig is None:

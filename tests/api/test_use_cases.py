@@ -244,7 +244,7 @@ def test_a_dataset_is_where_it_says(made: Callable[[str], Result]) -> None:
         ("tolerance", {"rig": OAK_D, "tolerances": {"yaw": 1}}, "tolerance 'yaw': choose one of yaw_deg"),
         ("tolerance", {"rig": OAK_D, "range_m": 3}, "must be (near, far)"),
         ("design", {"range_m": (0.5, 3)}, "no depth error is asked for"),
-        ("design", {"range_m": (0.5, 3), "depth_error_mm": 9, "lenses_mm": 4}, "mm need a --sensor"),
+        ("design", {"range_m": (0.5, 3), "depth_error_mm": 9, "lenses_mm": 4}, "how large is a pixel"),
         ("verify", {"triangulators": 3}, "must be a name or a function"),
         ("verify", {"update": True, "cases": "far"}, "golden results hold every case"),
         ("compare", {"methods": "dlt", "geometries": "round"}, "geometry 'round'"),

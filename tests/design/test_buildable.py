@@ -10,7 +10,7 @@ import rigsim
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance.count import count_good
-from rigsim.study.tolerance.predicted import expect
+from rigsim.study.tolerance.first_order.predicted import expect
 from rigsim.study.tolerance.recalibration.session import Build, Recalibration
 from rigsim.study.tolerance.sensitivities import CLASSES, BuildRequirement, Tolerances
 

@@ -143,7 +143,12 @@ def test_streams_and_rigs_are_what_they_always_were() -> None:
 
 
 def test_every_table_of_a_sweep_has_the_same_columns() -> None:
-    assert tuple(OverallRow.model_fields) == (*columns.ROW_COLUMNS, "limited_by", "diagnosis")
+    assert tuple(OverallRow.model_fields) == (
+        *columns.ROW_COLUMNS,
+        "limited_by",
+        "diagnosis",
+        "requirement",
+    )
     assert set(DepthRow.model_fields) == set(columns.DEPTH_COLUMNS) == set(WORDS)
     for name, field in OverallRow.model_fields.items():
         if name in columns.COLUMNS:

@@ -16,6 +16,7 @@ from rigsim.study.agreement.agreement import flagged as flagged_rows
 from rigsim.study.agreement.claims import Scale, claim_scale, measured_agreement
 from rigsim.study.agreement.fault import Fault
 from rigsim.study.agreement.views import expand_views, predict_views, view_jacobian, views
+from rigsim.study.saying import saying
 from rigsim.study.scene.columns import MEASURED_COLUMNS
 from rigsim.study.scene.trials import predict
 from tests.helpers.scenes import SLANTED, write
@@ -252,12 +253,13 @@ def test_half_of_nothing_is_flagged_and_two_of_five_are_not():
 
 def test_words_begin_with_the_kind():
     assert text(AGREES) == "agrees"
-    fault = Fault("doffs", "the doffs are lost")
+    fault = Fault("unknown", saying("none-known"))
     place = AgreementPlace("depth", (2, 2.5))
     flagged = Agreement("flagged", "simulated", "spread", "depth spread", 2.25, place=place, fault=fault)
     assert (
         text(flagged)
-        == "flagged: simulated error 2.25 times the prediction at 2 to 2.5 m; the doffs are lost"
+        == "flagged: simulated error 2.25 times the prediction at 2 to 2.5 m; no single known mistake "
+        "explains it"
     )
     assert reason(flagged) == text(flagged).removeprefix("flagged: ")
     assert reason(AGREES) == ""

@@ -123,10 +123,10 @@ def run(tolerances: Tolerances, depth_m: float) -> ToleranceResult:
 def test_what_is_said() -> None:
     quiet = run(CLASSES["calibrated"].tolerances(RIG), 3.0)
     assert interactions_sentence(quiet).startswith("Each quantity acts on its own")
-    # a length across half of what both see at 2.95 m
+    # 2.05 m across half of what both see at 2.95 m, and half of the range along the depth
     assert recalibration_sentence(quiet).startswith(
-        "Recalibration at its best: 60 features in 10 pictures, 0.25 px each, averaged to 0.079 px; one"
-        " length of 2.05 m known to 0.5 mm"
+        "Recalibration at its best: 60 features in 10 pictures, 0.25 px each, averaged to 0.079 px; lengths"
+        " of 1.31, 2.05 and 2.77 m across and 2.05 m along the depth known to 0.5 mm"
     )
     assert interactions_sentence(replace(quiet, interactions=None)) == ""
     lost = run(CLASSES["printed"].tolerances(RIG), 5.0)

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rigsim.study.tolerance.predicted import expect
 
 import rigsim
 from rigsim.cli.app import run
@@ -19,6 +18,7 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.study.design.buildable import expected
 from rigsim.study.tolerance.batch import PARAMETERS, RigBatch, read_rays
 from rigsim.study.tolerance.count import count_good
+from rigsim.study.tolerance.first_order.predicted import expect
 from rigsim.study.tolerance.rows import first_order_rows, row_errors_px
 from rigsim.study.tolerance.run import Build, Recalibration, run_tolerance
 from rigsim.study.tolerance.sensitivities import (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -213,10 +213,7 @@ def _that_keep_rows(per_depth: Sequence[Rigs], judge: Judge) -> list[Rigs]:
 
 def _joined(parts: Sequence[Rigs]) -> Rigs:
     return Rigs(
-        *(
-            np.concatenate([getattr(part, name) for part in parts])
-            for name in ("build_mm", "whole_mm", "good", "good_alone", "row_px")
-        )
+        *(np.concatenate([getattr(part, item.name) for part in parts]) for item in fields(Rigs) if item.init)
     )
 
 
