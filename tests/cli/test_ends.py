@@ -102,11 +102,14 @@ def test_a_sweep_ends_with_its_workers(sent: signal.Signals, code: int, tmp_path
         stderr=subprocess.PIPE,
         text=True,
     )
-    assert until(lambda: len(workers(run.pid)) >= 3)  # two, and the tracker of what they share
-    begun = workers(run.pid)
-    time.sleep(1.0)
-    run.send_signal(sent)
-    _, complained = run.communicate(timeout=PATIENCE_S)
+    try:
+        assert until(lambda: len(workers(run.pid)) >= 3)  # two, and the tracker of what they share
+        begun = workers(run.pid)
+        time.sleep(1.0)
+        run.send_signal(sent)
+        _, complained = run.communicate(timeout=PATIENCE_S)
+    finally:
+        run.kill()  # a test that fails must not leave a sweep of minutes behind
     assert run.returncode == code
     assert "Traceback" not in complained
     assert until(lambda: not any(is_alive(pid) for pid in begun))

@@ -7,6 +7,7 @@ import dataclasses
 import json
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -92,8 +93,8 @@ def test_a_row_that_just_misses_is_rarely_called_met_and_a_good_one_nearly_alway
     assert called[1.1] >= 0.95 * 400
 
 
-def asked(*required: DepthRequirement, **made: object) -> SweepResult:
-    result = make_result((50, 100, 200), n_points=400, **made)  # type: ignore[arg-type]
+def asked(*required: DepthRequirement, **made: Any) -> SweepResult:
+    result = make_result((50, 100, 200), n_points=400, **made)
     return dataclasses.replace(result, requirements=hold_rows(result.rows, result.by_depth, required))
 
 
