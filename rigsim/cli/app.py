@@ -12,23 +12,65 @@ import typer
 
 from rigsim import interrupts
 from rigsim._version import __version__
-from rigsim.cli import export
-from rigsim.cli.calc import calc
-from rigsim.cli.compare import compare
-from rigsim.cli.design.design import design
-from rigsim.cli.doctor import doctor
-from rigsim.cli.infer import infer
-from rigsim.cli.kit import answer, faults, terminal
-from rigsim.cli.measure import measure
-from rigsim.cli.presets import presets
-from rigsim.cli.render import render
-from rigsim.cli.scenes import scenes
-from rigsim.cli.sweep import sweep
-from rigsim.cli.tolerance import tolerance
-from rigsim.cli.verify import verify
+from rigsim.cli.kit import answer, faults, lazy, terminal
 from rigsim.errors import InvalidRange, OutputError, RigsimError
 
+COMMANDS = {
+    "sweep": lazy.Command(
+        "rigsim.cli.sweep:sweep",
+        "Sweep rigs through a scene: predicted, simulated and measured depth error side by side, "
+        "in a report.",
+    ),
+    "tolerance": lazy.Command(
+        "rigsim.cli.tolerance:tolerance",
+        "Rank a rig's tolerances by what they do to the depth, and count the built rigs that are good.",
+    ),
+    "render": lazy.Command(
+        "rigsim.cli.render:render",
+        "Render a stereo pair with exact depth, disparity and segmentation.",
+    ),
+    "design": lazy.Command(
+        "rigsim.cli.design.design:design",
+        "Find the rigs that meet requirements, recommend one, and verify it by simulation.",
+    ),
+    "measure": lazy.Command(
+        "rigsim.cli.measure:measure",
+        "Measure a pair of pictures: matches, depths, how accurate they are, and whether the rig fits.",
+    ),
+    "infer": lazy.Command(
+        "rigsim.cli.infer:infer",
+        "Infer the disparity noise that explains depth errors at known distances.",
+    ),
+    "verify": lazy.Command(
+        "rigsim.cli.verify:verify",
+        "Test triangulators on cases with known answers; exit code 3 when one fails.",
+    ),
+    "compare": lazy.Command(
+        "rigsim.cli.compare:compare",
+        "Compare triangulators: distance to the bound, bias, lost points and speed, over geometry and noise.",
+    ),
+    "scenes": lazy.Command(
+        "rigsim.cli.scenes:scenes", "List the bundled scenes, the preset rigs and the sensors."
+    ),
+    "presets": lazy.Command(
+        "rigsim.cli.presets:presets",
+        "List the rigs that --preset takes; with NAME, the sources of each number.",
+    ),
+    "doctor": lazy.Command(
+        "rigsim.cli.doctor:doctor",
+        "Say which renderers work here, and the one line that installs what is missing.",
+    ),
+    "calc": lazy.Command(
+        "rigsim.cli.calc.calc:app", "Calculate with closed forms: a point, a distance, a rig's limits."
+    ),
+    "export": lazy.Command(
+        "rigsim.cli.export:app", "Write a rig, or a rendered data set, in other programs' formats."
+    ),
+}
+"""The commands, in the order of `rigsim --help`; a new one is a line here."""
+
 app = typer.Typer(
+    cls=lazy.group(COMMANDS),
     name="rigsim",
     help="Design stereo camera rigs: depth accuracy predicted, simulated and measured, side by side.",
     epilog="Start with: rigsim sweep --baseline 50:500",
@@ -36,19 +78,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-app.command()(sweep)
-app.add_typer(calc.app)
-app.command()(tolerance)
-app.command()(render)
-app.command()(design)
-app.command()(measure)
-app.command()(infer)
-app.command()(verify)
-app.command()(compare)
-app.add_typer(export.app)
-app.command()(scenes)
-app.command()(presets)
-app.command()(doctor)
 
 
 # what typer raises for bad words has no public name, but one that derives from it has

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -26,3 +28,16 @@ def children() -> set[int]:
     """This process's children, those that nobody has waited for included."""
     folders = Path("/proc/self/task").iterdir()
     return {int(pid) for folder in folders for pid in (folder / "children").read_text().split()}
+
+
+def modules_after(*words: str) -> set[str]:
+    """The modules that a fresh process holds after ``rigsim WORDS``."""
+    code = (
+        "import sys\n"
+        "from rigsim.cli.app import run\n"
+        "code = run(sys.argv[1:])\n"
+        "print(' '.join(sys.modules), file=sys.stderr)\n"
+        "sys.exit(code)"
+    )
+    done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, check=True)
+    return set(done.stderr.splitlines()[-1].split())

@@ -12,23 +12,11 @@ import pytest
 from importlinter.cli import lint_imports
 
 import rigsim
+from tests.helpers.processes import modules_after
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 HEAVY = {"cv2", "jinja2", "matplotlib", "mujoco", "pandas", "scipy"}
 W1 = ["calc", "point", "--focal", "1200", "--baseline", "150", "--left", "980,500", "--right", "910,500"]
-
-
-def loaded_by(*words: str) -> set[str]:
-    """Top-level modules that a fresh process holds after ``rigsim WORDS``."""
-    code = (
-        "import sys\n"
-        "from rigsim.cli.app import run\n"
-        "code = run(sys.argv[1:])\n"
-        "print(' '.join({name.partition('.')[0] for name in sys.modules}), file=sys.stderr)\n"
-        "sys.exit(code)"
-    )
-    done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, check=True)
-    return set(done.stderr.splitlines()[-1].split())
 
 
 def test_import_contract_is_kept(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -67,7 +55,7 @@ def test_what_the_package_imports_is_declared() -> None:
 
 @pytest.mark.parametrize("words", [["--help"], ["--version"], ["calc", "--help"], ["calc", "point", "-h"]])
 def test_help_loads_no_numbers(words: list[str]) -> None:
-    loaded = loaded_by(*words)
+    loaded = {name.partition(".")[0] for name in modules_after(*words)}
     assert "typer" in loaded
     assert not loaded & (HEAVY | {"numpy", "rich"})
 
@@ -82,7 +70,7 @@ def test_help_loads_no_numbers(words: list[str]) -> None:
     ],
 )
 def test_calc_loads_nothing_heavy(words: list[str]) -> None:
-    loaded = loaded_by(*words)
+    loaded = {name.partition(".")[0] for name in modules_after(*words)}
     assert "numpy" in loaded
     assert not loaded & HEAVY
 
