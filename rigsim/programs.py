@@ -75,6 +75,7 @@ def wait(process: subprocess.Popen[bytes], timeout_s: float) -> int:
     Raises:
         subprocess.TimeoutExpired: it took longer than `timeout_s`.
     """
+    said = _said.get(process.pid, ())
     try:
         end = time.monotonic() + timeout_s
         while not ends_within(process, min(_TRIM_S, max(0.0, end - time.monotonic()))):
@@ -83,8 +84,8 @@ def wait(process: subprocess.Popen[bytes], timeout_s: float) -> int:
                 raise subprocess.TimeoutExpired(process.args, timeout_s)
         process.wait()
     finally:
-        trim(process)
         code = kill(process)
+        _trim(said)  # only what has ended prints no more
     return code
 
 
@@ -116,7 +117,11 @@ def ends_within(process: subprocess.Popen[bytes], timeout_s: float) -> bool:
 
 def trim(process: subprocess.Popen[bytes]) -> None:
     """Throw away what a process has printed beyond `MOST_SAID`: a loop that prints must not fill the disk."""
-    for file in _said.get(process.pid, ()):
+    _trim(_said.get(process.pid, ()))
+
+
+def _trim(said: Sequence[IO[bytes]]) -> None:
+    for file in said:
         descriptor = file.fileno()
         if os.fstat(descriptor).st_size > MOST_SAID:
             # its place in the file is the process's too
