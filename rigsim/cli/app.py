@@ -12,7 +12,8 @@ import typer
 
 from rigsim import interrupts
 from rigsim._version import __version__
-from rigsim.cli.kit import answer, faults, lazy, terminal
+from rigsim.cli import lazy
+from rigsim.cli.kit import answer, faults, terminal
 from rigsim.errors import InvalidRange, OutputError, RigsimError
 
 COMMANDS = {

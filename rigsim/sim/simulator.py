@@ -119,19 +119,14 @@ class Simulator:
             RenderMismatch: the renderer disagrees with the rig or with rays.
             RenderUnavailable: the pictures are too large.
         """
-        from rigsim.sim.render import buffer_size, check_size
         from rigsim.sim.truth import rays
 
         rig = self._placed()
-        own = (rig.left, rig.right)
-        distorted = any(lens.distortion is not None for lens in own)
+        distorted = any(lens.distortion is not None for lens in (rig.left, rig.right))
         if lenses is None and distorted:
             raise InvalidRig("lens distortion cannot be drawn: give the pinholes to draw with")
-        drawn = lenses or own
-        for lens in drawn:
-            check_size(lens, supersample)
-        renderer = self._ready([buffer_size(lens, supersample) for lens in (*drawn, *own)])
-        self._looked()
+        drawn = lenses or (rig.left, rig.right)
+        renderer = self._renderer_of(drawn, supersample)
         if distorted or self.backend == "rays":
             truths = [rays.depth_picture(self.scene, side) for side in (0, 1)]
         else:
@@ -140,6 +135,33 @@ class Simulator:
         for side, (depth, segmentation) in enumerate(truths):
             views.append(View(renderer.light(side, drawn[side], supersample), depth, segmentation))
         return StereoFrame(*views)
+
+    def check(self, supersample: int = SUPERSAMPLE) -> None:
+        """Hold the placed rig's drawn depth to rays, as `render` does, and draw no light.
+
+        Args:
+            supersample: of the pictures that may be drawn later.
+
+        Raises:
+            RenderMismatch: the renderer disagrees with the rig or with rays.
+            RenderUnavailable: the pictures are too large.
+        """
+        rig = self._placed()
+        renderer = self._renderer_of((rig.left, rig.right), supersample)
+        if self.backend != "rays" and rig.left.distortion is None and rig.right.distortion is None:
+            self._drawn_depth(renderer)
+
+    def _renderer_of(self, drawn: tuple[Intrinsics, Intrinsics], supersample: int) -> Renderer:
+        """What draws through these pinholes, and through the placed rig's own, which was looked at."""
+        from rigsim.sim.render import buffer_size, check_size
+
+        rig = self._placed()
+        for lens in drawn:
+            check_size(lens, supersample)
+        sizes = [buffer_size(lens, supersample) for lens in (*drawn, rig.left, rig.right)]
+        renderer = self._ready(sizes)
+        self._looked()
+        return renderer
 
     def _drawn_depth(self, renderer: Renderer) -> list[tuple[Array, Ids]]:
         """Depth and geom ids of both pictures, drawn so that they are what rays hit.

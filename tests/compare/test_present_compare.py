@@ -43,7 +43,7 @@ def _quick_stopwatch(monkeypatch: pytest.MonkeyPatch) -> None:
 def result(
     geometries: tuple[str, ...], noises_px: tuple[float, ...], methods: dict[str, TriangulatorFunction]
 ) -> ComparisonResult:
-    return compare(ComparisonPlan(geometries, noises_px, 200), methods)
+    return compare(ComparisonPlan(geometries, noises_px, 100), methods)
 
 
 def legible(figure: Figure) -> list[tuple[str, Bbox]]:

@@ -84,7 +84,7 @@ def test_the_report_says_what_to_buy_and_what_to_hold(
 
 
 def test_where_the_noise_comes_from(capsys: pytest.CaptureFixture[str]) -> None:
-    sensor = ["--sensor", "mt9m031", "--lens", "4mm"]
+    sensor = ["--sensor", "mt9m031", "--binning", "2", "--lens", "4mm"]
     assert answer(capsys, *ASKED, *sensor, "--no-proof")["noise_source"] == "assumed"
     document = answer(capsys, *ASKED, *sensor)
     assert document["noise_source"] == "measured"

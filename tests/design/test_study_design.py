@@ -167,7 +167,7 @@ def test_the_pick_is_verified_in_the_scene() -> None:
     close(document["requirements"][0]["simulated"], held.simulated * 1e3, rtol=1e-9)
 
 
-def test_what_the_simulation_denies_is_not_verified_and_the_next_is_taken() -> None:
+def test_what_the_simulation_denies_is_not_verified_and_the_next_longer_is_taken() -> None:
     design = solve(SPEC, CAMERAS, "smallest")
     # twice the noise that the formulas were given: the shortest baseline cannot keep its promise
     with Room(PLAN) as room:
@@ -182,6 +182,10 @@ def test_what_the_simulation_denies_is_not_verified_and_the_next_is_taken() -> N
     assert baselines_m[-1] > 2 * first.interval.lower.baseline_m > baselines_m[-2]
     close(proofs[0].checks[0].simulated, 2 * first.far_error_m, rtol=0.03)
     assert "required is 60 mm" in outcome(proofs[0])
+
+
+def test_the_next_camera_is_taken_where_the_first_is_denied() -> None:
+    design = solve(SPEC, CAMERAS, "smallest")
     denied_then_kept = Design(
         design.specification,
         design.intervals,

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from rigsim import BrownConrady, Intrinsics, PixelNoise, Plan, RigGrid, Simulator, StereoRig, preset, sweep
-from rigsim.errors import InvalidRange, InvalidRig
+from rigsim.errors import InvalidRange, InvalidRig, RenderMismatch
 from rigsim.present.kit.agreement import text
 from rigsim.present.sweep.words import verdict
 from rigsim.rig.sensor import Sensor
+from rigsim.sim.render import GlRenderer
 from rigsim.study.agreement.agreement import Agreement
 from rigsim.study.agreement.claims import measured_agreement
 from rigsim.study.scene import third_witness as room
@@ -176,6 +178,30 @@ def test_noise_of_the_picture_adds_no_render(monkeypatch: pytest.MonkeyPatch):
     # pixel noise is simulated: it does not move what is measured
     assert result.rows.groupby("sensor")["measured_depth_rmse_mm"].nunique().eq(1).all()
     assert "corresponds to `--noise" in " ".join(verdict(result).sentences)
+
+
+def test_what_nobody_measures_is_not_drawn_but_held_to_rays(monkeypatch: pytest.MonkeyPatch):
+    lit, held = [], []
+    render, check = Simulator.render, Simulator.check
+    monkeypatch.setattr(Simulator, "render", lambda self, *of: lit.append(of) or render(self, *of))
+    monkeypatch.setattr(Simulator, "check", lambda self, *of: held.append(of) or check(self, *of))
+    grid = RigGrid(RIG, baselines_m=(0.06, 0.12), resolutions_px=((320, 180),))
+    plan = Plan(n_points=200, n_trials=5)
+    rows = sweep(grid, replace(plan, measure="none")).rows
+    assert (len(lit), len(held)) == (1, 2)  # the best one's pictures; both rigs' depth
+    drawn = sweep(grid, replace(plan, measure="patches")).rows
+    assert (len(lit), len(held)) == (1 + 3, 2)
+    assert rows["depth_rmse_mm"].tolist() == drawn["depth_rmse_mm"].tolist()
+    # a renderer that draws another depth than rays hit is found out all the same
+    original = GlRenderer.depth_and_segmentation
+
+    def further(self: GlRenderer, side: int) -> Any:
+        depth, ids = original(self, side)
+        return 1.01 * depth, ids
+
+    monkeypatch.setattr(GlRenderer, "depth_and_segmentation", further)
+    with pytest.raises(RenderMismatch):
+        sweep(grid, replace(plan, measure="none"))
 
 
 def test_scenes_with_few_boards_are_measured_by_patches():

@@ -216,8 +216,8 @@ def test_a_report_is_not_overwritten_without_force(swept, here: Here):
 
 
 def test_the_same_bytes_for_any_number_of_processes(tmp_path: Path):
-    for jobs in (1, 2):
-        done = process(
+    for jobs, started in ((1, rigsim), (2, process)):
+        done = started(
             "sweep", "--baseline", "60:120/3", *SMALL, "--renderer", "rays", "--jobs", jobs,
             "--out", f"out{jobs}", cwd=tmp_path,
         )  # fmt: skip

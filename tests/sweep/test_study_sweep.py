@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -123,13 +124,14 @@ def test_rows_do_not_depend_on_what_else_is_swept(scene: str):
 
 def test_noise_and_triangulators_draw_nothing_again(scene: str, monkeypatch: pytest.MonkeyPatch):
     drawn: list[StereoRig | None] = []
-    original = Simulator.render
+    for name in ("render", "check"):
+        original = getattr(Simulator, name)
 
-    def counted(self: Simulator, supersample: int):
-        drawn.append(self.scene.rig)
-        return original(self, supersample)
+        def counted(self: Simulator, supersample: int, original: Any = original):
+            drawn.append(self.scene.rig)
+            return original(self, supersample)
 
-    monkeypatch.setattr(Simulator, "render", counted)
+        monkeypatch.setattr(Simulator, name, counted)
     grid = RigGrid(RIG, baselines_m=(0.1, 0.2))
     noises = tuple(PixelNoise(s) for s in (0.1, 0.2, 0.3))
     result = sweep(grid, plan(scene, noises=noises, triangulators=("optimal", "dlt")))

@@ -56,7 +56,7 @@ class Look:
     """What a placed rig sees."""
 
     exposures: Mapping[Sensor, Exposure]
-    """Both views, once for each lens among the sensors."""
+    """Both views, once for each lens among the sensors; empty where nobody looks at them."""
     truth: GroundTruth
     """Its ground-truth points."""
 
@@ -70,13 +70,22 @@ def far_limit_m(rigs: Iterable[StereoRig], noises: Iterable[PixelNoise]) -> floa
     return float(depth_edges_m(farthest_m, farthest_m)[-1])
 
 
-def look(simulator: Simulator, rig: StereoRig, plan: Plan) -> Look:
-    """Place the rig, sample the truth and draw both views: a rig that sees nothing draws nothing."""
+def look(simulator: Simulator, rig: StereoRig, plan: Plan, with_pictures: bool = True) -> Look:
+    """Place the rig, sample the truth and draw both views: a rig that sees nothing draws nothing.
+
+    Without pictures the drawn depth is still held to rays, and a lens that distorts is drawn all the same:
+    that it can be is found out there.
+    """
     true_rig, _ = plan.true_and_assumed(rig)
     simulator.place(true_rig)
     rng = plan.stream("truth", simulator.scene.name, rig)
     truth = simulator.truth(plan.n_points, rng, plan.range_m, plan.far_limit_m)
     lenses = dict.fromkeys(without_noise(sensor) for sensor in plan.sensors.values())
+    distortions = [lens.distortion for lens in lenses]
+    distortions += [true_rig.left.distortion, true_rig.right.distortion]
+    if not with_pictures and not any(distortions):
+        simulator.check(plan.supersample)
+        return Look({}, truth)
     exposures = {lens: expose_pair(simulator, true_rig, lens, plan.supersample) for lens in lenses}
     return Look(exposures, truth)
 
@@ -84,7 +93,7 @@ def look(simulator: Simulator, rig: StereoRig, plan: Plan) -> Look:
 def run_rig(simulator: Simulator, rig: StereoRig, plan: Plan) -> Outcome:
     """All rows of one rig; a noise level, of pixels or of grey levels, draws nothing again."""
     try:
-        seen = look(simulator, rig, plan)
+        seen = look(simulator, rig, plan, measuring_method(simulator, plan) != "none")
     except NothingSeen as error:
         outcome = _blind(simulator, rig, plan, str(error))
     else:
