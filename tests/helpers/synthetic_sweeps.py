@@ -236,6 +236,7 @@ def _statistics(
         "failed_fraction": 0.0,
         "low_disparity_fraction": 0.0,
         "depth_median_mm": median,
+        "depth_of_rmse_mm": float(np.mean(points[used, 2] ** 4)) ** 0.25 * 1e3,
         "depth_bias_mm": rmse**2 / median,
         "depth_rmse_mm": rmse,
         "depth_rmse_ci_low_mm": rmse - half,

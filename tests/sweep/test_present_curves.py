@@ -42,8 +42,7 @@ def test_between_the_rigs_the_curve_follows_a_power_law() -> None:
     result = make_result(baselines_mm=(100, 400), n_points=50)
     bins = result.by_depth.copy()
     bins["predicted_depth_rmse_mm"] = 4000 / bins["baseline_mm"]
-    bins["depth_median_mm"] = bins["depth_near_mm"]  # the same depth within a bin, as the errors tell it too
-    bins["depth_rmse_pct"] = 100 * bins["depth_rmse_mm"] / bins["depth_near_mm"]
+    bins["depth_of_rmse_mm"] = bins["depth_near_mm"]  # the same depth within a bin
     same = make_result(baselines_mm=(100, 400), n_points=50, by_depth=bins)
     axes = figure_of(same, "axis-baseline-mm").axes[0]
     curve = np.asarray(axes.lines[0].get_xydata())

@@ -70,6 +70,7 @@ _OF_SWEEP: dict[str, Kind] = {
     "measured_outlier_fraction": "share",
     "measured_within_3_sigma": "share",
     "depth_median_mm": "predicted",
+    "depth_of_rmse_mm": "predicted",
     "predicted_depth_rmse_mm": "predicted",
     "predicted_depth_rmse_image_mm": "predicted",
     "predicted_far_inverse_depth_rmse_per_m": "predicted",

@@ -89,6 +89,14 @@ DEPTH_MEDIAN = _TABLE.add(
     "metres",
     "Median true depth of the points in the statistics, mm.",
 )
+DEPTH_OF_RMSE = _TABLE.add(
+    "depth_of_rmse_mm",
+    "depth of the RMS",
+    "mm",
+    "metres",
+    "Depth at which an error that grows by the square of the depth is the RMS: fourth root of the mean "
+    "fourth power of the depths in the statistics, mm.",
+)
 DEPTH_BIAS = _TABLE.add("depth_bias_mm", "bias", "mm", "number", "Simulated mean depth error, mm.")
 DEPTH_RMSE = _TABLE.add(
     "depth_rmse_mm",

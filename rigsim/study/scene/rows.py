@@ -177,6 +177,7 @@ def _body(evidence: RowEvidence, inside: Mask, groups: slice) -> Row:
         **row,
         **_far(evidence, visible_inside & low),
         col.DEPTH_MEDIAN: median_m * 1e3,
+        col.DEPTH_OF_RMSE: float(np.mean(depth_m[kept] ** 4)) ** 0.25 * 1e3,
         col.DEPTH_BIAS: summary.bias_m * 1e3,
         col.DEPTH_RMSE: summary.rmse_m * 1e3,
         col.DEPTH_RMSE_CI_LOW: summary.ci_low_m * 1e3,

@@ -131,7 +131,6 @@ class _Bins:
             return values
 
         simulated = spread(col.DEPTH_RMSE)
-        ends = np.array(edges).reshape(-1, 2).T[:, None, :]
         n = spread(col.N_VISIBLE, 0.0)
         answered = np.isfinite(simulated) & (n >= FEWEST_POINTS) & (spread(col.LOW_DISPARITY_FRACTION) == 0)
         return cls(
@@ -139,23 +138,11 @@ class _Bins:
             answered,
             spread(col.SCENE_FRACTION, 0.0),
             n,
-            where_mm(simulated, spread(col.DEPTH_RMSE_PCT), spread(col.DEPTH_MEDIAN), *ends),
+            spread(col.DEPTH_OF_RMSE),
             simulated,
             spread(col.PREDICTED_DEPTH_RMSE),
             spread(col.DEPTH_RMSE_CI_HIGH),
         )
-
-
-def where_mm(rmse_mm: Array, rmse_pct: Array, median_mm: Array, near_mm: Array, far_mm: Array) -> Array:
-    """The distance, mm, that each bin's mean square error belongs to; arrays of one shape, or that broadcast.
-
-    Errors go with Z^2, so ``RMS^2 / (RMS of error over depth)^2`` is ``E[Z^4] / E[Z^2]``, whatever the rig
-    is: the square of a depth between the edges. The median jumps from one surface to another where two of
-    them share a bin.
-    """
-    with np.errstate(invalid="ignore", divide="ignore"):
-        where = 100 * rmse_mm / rmse_pct
-    return np.where(np.isfinite(where), np.clip(where, near_mm, far_mm), median_mm)
 
 
 def _pooled(bins: _Bins, known: Mask, shared: Mask, weight: Array, answered: Array) -> Comparison:

@@ -20,7 +20,7 @@ import pandas as pd
 from rigsim.rig.arrays import Array, Ids
 from rigsim.study.agreement.agreement import flagged
 from rigsim.study.scene import columns as col
-from rigsim.study.sweep.comparison import FEWEST_POINTS, row_of_bins, where_mm
+from rigsim.study.sweep.comparison import FEWEST_POINTS, row_of_bins
 
 RowVerdict: TypeAlias = Literal["met", "not_met", "not_shown"]
 VERDICTS: tuple[RowVerdict, ...] = get_args(RowVerdict)
@@ -120,9 +120,8 @@ def nearest_miss(best: Sequence[int], held: Sequence[RowsHeld]) -> int | None:
 def _held(asked: DepthRequirement, by_depth: pd.DataFrame, lines: Ids) -> RowHeld:
     nothing = RowHeld("not_shown", *(math.nan,) * 5)
     bins = by_depth.iloc[lines]
-    names = (col.DEPTH_RMSE, col.DEPTH_RMSE_PCT, col.DEPTH_MEDIAN, col.DEPTH_NEAR, col.DEPTH_FAR)
-    rmse, pct, median, near, far = (bins[name].to_numpy(dtype=np.float64) for name in names)
-    where = where_mm(rmse, pct, median, near, far)
+    names = (col.DEPTH_RMSE, col.DEPTH_OF_RMSE, col.DEPTH_NEAR, col.DEPTH_FAR)
+    rmse, where, near, far = (bins[name].to_numpy(dtype=np.float64) for name in names)
     away = np.abs(np.log(where / asked.at_mm)) if len(bins) else np.zeros(0)
     known = np.isfinite(rmse) & (bins[col.N_VISIBLE].to_numpy() >= FEWEST_POINTS)
     usable = known & (away <= math.log(REACH))

@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from rigsim import Intrinsics, PixelNoise, Plan, RigGrid, StereoRig, sweep
 from rigsim.api.kit.cover import LOGO_BYTES, cover
 from rigsim.cli.app import run
 from rigsim.errors import OutputError
@@ -42,7 +43,7 @@ def one_bin(
     """The bin from 2.5 to 3.2 m of one row, whose error belongs to `where_m`."""
     bin_ = {"depth_near_mm": 2500.0, "depth_far_mm": 3200.0, "n_visible": n, "depth_rmse_mm": rmse_mm}
     bin_ |= {"depth_rmse_ci_low_mm": rmse_mm - half_mm, "depth_rmse_ci_high_mm": rmse_mm + half_mm}
-    bin_ |= {"depth_rmse_pct": 0.1 * rmse_mm / where_m, "depth_median_mm": 2510.0, "depth_abs_p95_mm": p95_mm}
+    bin_ |= {"depth_of_rmse_mm": 1e3 * where_m, "depth_median_mm": 2510.0, "depth_abs_p95_mm": p95_mm}
     return pd.DataFrame([dict.fromkeys(AXES, 1.0) | {"scene": "s"} | bin_], columns=list(DEPTH_COLUMNS))
 
 
@@ -91,6 +92,24 @@ def test_a_row_that_just_misses_is_rarely_called_met_and_a_good_one_nearly_alway
             called[factor] += held(bins, 10 * factor).verdict == "met"
     assert called[1.0] <= 0.05 * 400  # 2.5 to 3 % expected of a rig whose true error is the limit
     assert called[1.1] >= 0.95 * 400
+
+
+def test_the_interval_holds_the_closed_form_at_the_distance() -> None:
+    """Depths in a bin from 2.6 to 3.2 m have a mean fourth power of their own."""
+    camera = Intrinsics.from_focal(96, 54, 230.0)
+    rigs = RigGrid(StereoRig.rectified(camera, 0.1), baselines_m=(0.1, 0.2, 0.3))
+    ratios, inside = [], []
+    plan = Plan(noises=(PixelNoise(0.05),), n_points=600, n_trials=60, renderer="rays", measure="none")
+    for seed in range(5):
+        result = sweep(rigs, dataclasses.replace(plan, range_m=(1.0, 4.5), supersample=1, seed=seed))
+        (one,) = hold_rows(result.rows, result.by_depth, [DepthRequirement(3000.0, 1.0)])
+        for baseline_mm, row in zip(result.rows["baseline_mm"], one.rows, strict=True):
+            # Z^2 sqrt(2) sigma / (f B)
+            true_mm = 1e3 * 9.0 * math.sqrt(2) * 0.05 / (camera.fx * baseline_mm / 1e3)
+            ratios.append(row.error_mm / true_mm)
+            inside.append(row.low_mm <= true_mm <= row.high_mm)
+    assert np.mean(ratios) == pytest.approx(1.0, abs=0.007)
+    assert np.mean(inside) >= 0.8  # 95 % are expected
 
 
 def asked(*required: DepthRequirement, **made: Any) -> SweepResult:
