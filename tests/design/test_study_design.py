@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from rigsim.errors import InvalidRange, InvalidRig, InvalidScene
 from rigsim.interop.documents.design.document import design_document
 from rigsim.present.design import words as sentences
+from rigsim.present.design.tolerance import tolerance_says
 from rigsim.present.design.words import outcome
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.sensor import Sensor
@@ -23,10 +24,11 @@ from rigsim.study.design.noise import measured_noise_px
 from rigsim.study.design.proof import Objection, Proof, following, prove, recommended, settle_and_prove
 from rigsim.study.design.room import Room
 from rigsim.study.design.solve import PREFERENCES, Candidate, Design, pareto_front, solve, specify
-from rigsim.study.design.tolerance import design_tolerance
+from rigsim.study.design.tolerance import ClassYield, design_tolerance
 from rigsim.study.scene.plan import Plan
 from rigsim.study.scene.showcase import Showcase
 from rigsim.study.scene.third_witness import MeasuredMatches
+from rigsim.study.tolerance.count import Count
 from rigsim.theory.inverse import Camera, Requirement
 from rigsim.theory.inverse_error import P95_OVER_STD
 from tests.helpers.sampling import close
@@ -317,6 +319,12 @@ def test_the_farthest_depth_error_is_what_the_build_is_held_to() -> None:
     assert len(part["distances_mm"]) == len(part["quantities"][0]["depth_error_mm"])
     with pytest.raises(InvalidRange, match="printed, machined, calibrated"):
         Builder("cast")
+    # a recalibration that makes a class worse beyond chance says why: 24 and 9 %, and not 24 and 22 %
+    rest = found.yields[:2]
+    for good, said in ((27, True), (66, False)):
+        own = ClassYield("calibrated", Count(960, 4000), Count(good, 300))
+        says = tolerance_says(replace(found, yields=(*rest, own)))
+        assert ("class calibrated holds already: leave it out there" in says) is said
 
 
 def test_a_range_nearer_than_the_lens_focuses_and_an_overlap_elsewhere() -> None:

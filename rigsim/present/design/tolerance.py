@@ -37,8 +37,30 @@ CHANGED: Sentences = {
 
 def tolerance_says(tolerance: DesignTolerance) -> str:
     """What the build must hold, who holds it, and what would help where no class will do."""
-    told = (_must_hold(tolerance), _who(tolerance), _help(tolerance.best, tolerance.advice))
-    return " ".join(told).strip()
+    told = (
+        _must_hold(tolerance),
+        _who(tolerance),
+        _worse(tolerance),
+        _help(tolerance.best, tolerance.advice),
+    )
+    return " ".join(part for part in told if part)
+
+
+def _worse(tolerance: DesignTolerance) -> str:
+    """Why rigs of a class are worse for a recalibration; empty where none are beyond chance."""
+    names = [
+        item.name
+        for item in tolerance.yields
+        if item.as_built.share - item.recalibrated.share
+        > 3 * math.hypot(item.as_built.standard_error, item.recalibrated.standard_error)
+    ]
+    if not names:
+        return ""
+    return (
+        "The recalibration starts from nothing and knows less than a build of class "
+        f"{' or '.join(names)} holds already: leave it out there, or take more pictures and better lengths "
+        "(rigsim tolerance --recalibration-pictures, --length-std)."
+    )
 
 
 def limit_says(tolerance: DesignTolerance) -> str:
