@@ -106,11 +106,15 @@ def assert_matches_golden(
     """
     __tracebackhide__ = True
     from rigsim.api.kit.golden import hold, record_from
+    from rigsim.errors import InvalidRange, OutputError
     from rigsim.present.verify.golden import golden_text
 
     if update is None:
         update = os.environ.get(UPDATE_GOLDEN, "0") not in ("", "0")
-    report = hold(record_from(result, keys), path, update, tolerance)
+    try:
+        report = hold(record_from(result, keys), path, update, tolerance)
+    except (InvalidRange, OutputError) as error:
+        raise type(error)(str(error)) from None  # the message alone, not the way to it
     if not report.passed:
         raise AssertionError(golden_text(report))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import hashlib
 import math
+import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,9 @@ from typing import Any
 import pytest
 
 import rigsim
+from rigsim.cli import app
 from rigsim.cli.app import run
+from rigsim.errors import OutputError
 from rigsim.interop.files.golden import read_one, write_one
 from rigsim.study.golden.compare import Record, compare
 from rigsim.study.golden.errors import standard_error
@@ -157,6 +160,35 @@ def test_another_seed_is_within_noise_and_a_worse_rig_is_not(
     told = str(failed.value)
     assert "moved: rows[baseline_mm=50] predicted_depth_rmse_mm: was " in told
     assert "moved: rows[baseline_mm=50] noise_px: was 0.250 px, now 0.300 px, off by 0.0500 px" in told
+
+
+def test_another_question_is_told_and_each_number_stands_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def run(words: list[str]) -> int:
+        monkeypatch.setattr(sys, "argv", ["rigsim", *words])
+        return app.run()
+
+    file = tmp_path / "depth.csv"
+    assert run([*DEPTH, "--golden", str(file), "--update"]) == 0
+    numbers = [line.partition(",")[0] for line in file.read_text().splitlines()]
+    assert len([name for name in numbers if name.endswith(("depth_std", "depth_std_mm"))]) == 1
+    capsys.readouterr()
+    # the same in other words is the same question
+    other = [{"100": "10cm", "2m": "2000mm"}.get(word, word) for word in DEPTH]
+    assert run([*other, "--golden", str(file)]) == 0
+    assert "asked was" not in capsys.readouterr().out
+    assert run([*DEPTH[:-1], "1m", "--golden", str(file)]) == 3
+    said = " ".join(capsys.readouterr().out.split())
+    words = " ".join(DEPTH)
+    assert f"asked was {words}, now {words[:-2]}1m." in said
+
+
+def test_a_missing_golden_file_is_one_line_for_pytest_too(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match="make it with --update, or in Python with") as raised:
+        assert_matches_golden([{"error_mm": 2.0}], tmp_path / "none.csv")
+    assert "RIGSIM_UPDATE_GOLDEN=1" in str(raised.value)
+    assert [entry.name for entry in raised.traceback][-1] == "assert_matches_golden"
 
 
 def test_calc_is_held_to_a_billionth_and_exits_with_3(

@@ -96,7 +96,10 @@ def read_one(path: Path, command: str) -> Record:
     """
     file = golden_file(path, command)
     if not file.exists():
-        raise OutputError(f"golden file {file}: does not exist; make it with --update")
+        raise OutputError(
+            f"golden file {file}: does not exist; make it with --update, or in Python with update=True or "
+            "RIGSIM_UPDATE_GOLDEN=1"
+        )
     record = _read(file)
     _same_command(file, record, command)
     return record

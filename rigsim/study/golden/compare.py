@@ -156,7 +156,12 @@ def compare(
             remarks.append(f"{record.name}: colours not compared, there is no GL renderer here")
             old_numbers = tuple(number for number in old_numbers if number.unit != COLOUR)
         allowance = _Allowance(old, record, looser)
-        moves.extend(_moves(record.name, old_numbers, record.numbers, allowance))
+        found = tuple(_moves(record.name, old_numbers, record.numbers, allowance))
+        moves.extend(found)
+        asked = [one.about.get(ASKED, "") for one in (old, record)]
+        # the same can be asked for in other words: worth a word only where the answers differ
+        if all(asked) and asked[0] != asked[1] and any(move.verdict in ("moved", "gone") for move in found):
+            remarks.insert(0, f"{record.name}: asked was {asked[0]}, now {asked[1]}")
     kept = (move for move in moves if not (partial and move.verdict == "gone"))
     return GoldenComparison(tuple(kept), tuple(remarks))
 

@@ -58,7 +58,7 @@ def document_record(command: str, document: Mapping[str, Any], about: Mapping[st
     walker = _Walker(command, dict(document))
     whole = {COMMAND: command, **head, **about}
     walker.knows_renderer = "renderer" in whole
-    return _record(command, walker.numbers("", document, _best(document)), whole)
+    return _record(command, walker.numbers("", document, _best(_once(document))), whole)
 
 
 def command_of(document: Mapping[str, Any]) -> str | None:
@@ -145,6 +145,15 @@ class _Walker:
         if self.command.startswith("calc") and key in _LENGTHS_OF_CALC:
             return "mm"
         return next((unit for end, unit in _UNITS.items() if key.endswith(end)), "")
+
+
+def _once(document: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The document of ``calc depth`` of one rig and distance without what its row only says again."""
+    rows = document.get("rows")
+    if _TELLING["calc depth"] not in document or not rows or len(rows) > 1:
+        return document
+    own = {key: value for key, value in rows[0].items() if key.removesuffix("_mm") not in document}
+    return {**document, "rows": [{key: value for key, value in own.items() if key not in document}]}
 
 
 def _best(document: Mapping[str, Any]) -> Mapping[str, Any]:
