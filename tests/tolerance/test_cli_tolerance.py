@@ -48,6 +48,17 @@ def test_json_by_hand(capsys: pytest.CaptureFixture[str]) -> None:
     assert [item["distance_mm"] for item in said["depths"]] == [1000.0, 3000.0, 5000.0]
 
 
+def test_noise_that_leaves_nothing_for_the_build_is_said_first(capsys: pytest.CaptureFixture[str]) -> None:
+    # 25 m^2 x sqrt(2) x 0.25 px / (1000 px x 0.15 m) = 58.9 mm at 5 m
+    rig = ["--baseline", "150", "--focal", "1000", "--resolution", "1280x960", "--range", "1:5m"]
+    words = ["tolerance", *rig, "--rigs", "200", "--points", "60", "--depth-error"]
+    assert run([*words, "50mm@5m"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert said.startswith("Pixel noise alone takes the error at 5 m to 59 mm, 50 mm are asked for: ")
+    assert run([*words, "150mm@5m"]) == 0
+    assert "no build meets that" not in capsys.readouterr().out
+
+
 def test_units_of_tolerances(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["yaw=6arcmin", "axial=0.1cm", "principal=+-2px", "k1-both=±1e-3", "time=100us", "temperature=5K"]
     options = [part for word in words for part in ("--tolerance", word)]

@@ -104,6 +104,10 @@ def span(text: str, kind: QuantityKind) -> tuple[float, float]:
             f"{kind.name} range {text or 'empty'}: must be two ends; write near:far, as in 0.5:5m"
         )
     start, stop = _parts(ends, kind)
+    if start == stop:
+        raise InvalidRange(
+            f"{kind.name} range {text}: has no extent; write the nearest and the farthest, as in 0.5:5m"
+        )
     _check_order(start, stop, text, kind)
     return _bounded(start, kind), _bounded(stop, kind)
 

@@ -11,6 +11,7 @@ import numpy as np
 from rigsim.present.kit.console import make_console, paragraph, print_table
 from rigsim.present.kit.format import MISSING, number, percent, plain
 from rigsim.present.tolerance.words import (
+    hopeless_sentence,
     informed_sentence,
     interactions_sentence,
     motion_sentence,
@@ -32,6 +33,9 @@ _HEIGHT_IN = 3.6
 def print_tolerance(result: ToleranceResult, folder: Path | None = None) -> None:
     """Print the ranked table, the built rigs at each depth, and how many meet the requirement."""
     row_px = result.required.row_px
+    hopeless = hopeless_sentence(result)
+    if hopeless:
+        paragraph(make_console(), hopeless)
     print_table(
         f"Each quantity alone: depth error, mm, first order; what it takes for 95 of 100 rigs to stay within"
         f" {plain(result.required.error_m * 1e3)} mm at {plain(result.required.depth_m)} m"
@@ -227,8 +231,8 @@ def variance_rows(result: ToleranceResult) -> list[tuple[str, ...]]:
 
 
 def _share(value: float) -> str:
-    """A share in percent; estimates of nothing may come out below it."""
-    return percent(value) if value > 1e-6 else "0"
+    """A share in percent; estimates of nothing may come out below it, and of all above."""
+    return percent(min(value, 1.0)) if value > 1e-6 else "0"
 
 
 def _tolerance(result: ToleranceResult, key: str, value: float) -> str:

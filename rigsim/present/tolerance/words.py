@@ -34,6 +34,20 @@ def interactions_sentence(result: ToleranceResult) -> str:
     return f"Quantities act on one another: {named}. First-order shares leave that out."
 
 
+def hopeless_sentence(result: ToleranceResult) -> str:
+    """That noise alone exceeds what is required, where it does; empty otherwise."""
+    required = result.required
+    needed = np.array([item.needed_equal_share for item in result.sensitivities])
+    if not result.noise_px or (needed[np.isfinite(needed)] != 0).any():
+        return ""
+    what = "the 95th percentile of the errors" if required.p95 else "the error"
+    return (
+        f"Pixel noise alone takes {what} at {required.depth_m:g} m to {result.judged.noise_mm:.3g} mm, "
+        f"{1e3 * required.error_m:.3g} mm are asked for: no build meets that, and the table says none where "
+        "a tolerance is needed. Less noise, a longer baseline or a longer lens would help."
+    )
+
+
 def yield_sentence(result: ToleranceResult) -> str:
     """How many rigs are good with their pixel noise, and by their build alone."""
     judged = result.judged
