@@ -153,7 +153,7 @@ def sweep(options: SweepOptions) -> Sweep:
 
 
 def _run(options: SweepOptions) -> Sweep:
-    from rigsim.study.sweep.requirement import DepthRequirement, hold_rows
+    from rigsim.study.sweep.requirement import DepthRequirement
     from rigsim.study.sweep.run import sweep as run
 
     require = at_distances(options.require)
@@ -161,15 +161,13 @@ def _run(options: SweepOptions) -> Sweep:
     rigs, plan, remarks = _asked(options)
     if options.command:
         plan = replace(plan, extra={**plan.extra, "command": options.command})
-    result = run(cast(Any, rigs), plan, jobs=options.jobs, progress=options.progress)
+    asked = [
+        DepthRequirement((one.at_m or 0) * 1e3, one.error_m(one.at_m or 0) * 1e3, one.p95, one.pct)
+        for one in require
+    ]
+    result = run(cast(Any, rigs), plan, jobs=options.jobs, progress=options.progress, require=asked)
     values = {field.name: getattr(result, field.name) for field in fields(result)}
     values |= {"remarks": (*remarks, *result.remarks), "cover": head}
-    if require:
-        asked = [
-            DepthRequirement((one.at_m or 0) * 1e3, one.error_m(one.at_m or 0) * 1e3, one.p95, one.pct)
-            for one in require
-        ]
-        values["requirements"] = hold_rows(result.rows, result.by_depth, asked)
     return Sweep(**values)
 
 

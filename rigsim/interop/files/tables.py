@@ -52,10 +52,18 @@ def sweep_files(result: SweepResult, spelled: Callable[[pd.DataFrame], pd.DataFr
         "sweep.csv": csv_bytes(_with_requirement(spelled(result.rows), result)),
         "sweep_by_depth.csv": csv_bytes(spelled(result.by_depth)),
         "rig.toml": write_rig(
-            result.showcase.rig, comment="best rig of the sweep", sensor=result.showcase.sensor
+            result.showcase.rig, comment=_about(result), sensor=result.showcase.sensor
         ).encode(),
         "provenance.json": json_bytes(result.provenance),
     }
+
+
+def _about(result: SweepResult) -> str:
+    if not result.requirements:
+        return "best rig of the sweep"
+    if verdicts(result.requirements)[result.showcase.row] == "met":
+        return "rig of the sweep that meets what was asked"
+    return "rig of the sweep that comes nearest to what was asked, and is not shown to meet it"
 
 
 def _with_requirement(table: pd.DataFrame, result: SweepResult) -> pd.DataFrame:

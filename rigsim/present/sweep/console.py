@@ -53,6 +53,8 @@ def print_sweep(result: SweepResult, folder: Path | None = None, *, console: Con
     varied = [axis for axis in axes if best[axis.column].nunique() > 1] or axes[:1]
     shared = [axis for axis in axes if axis not in varied]
     title = f"Best {len(places)} of {count(len(rows))}" if len(rows) > len(places) else "Result"
+    if result.requirements and len(rows) > len(places):
+        title = f"The rig of the answer, and the best of the other {count(len(rows) - 1)}"
     if shared:
         title += ", with " + ", ".join(
             f"{axis.heading} {axis.say(best.iloc[0][axis.column])}" for axis in shared

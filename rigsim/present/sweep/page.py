@@ -80,6 +80,7 @@ def report_html(result: SweepResult, plan: Figure | None = None, cover: Cover | 
         rows=tables.all_rows(result),
         same=same_words(result),
         growth=_growth_words(result),
+        best_agreement=best[col.AGREEMENT],
         n_flagged=int(flagged(result.rows).sum()),
         measured=was_measured(result.rows),
         method=method_words(best),
@@ -103,6 +104,8 @@ def _rig_words(result: SweepResult, axes: list[PlotAxis]) -> str:
         return "The rig that was simulated."
     row = result.rows.iloc[result.showcase.row]
     where = ", ".join(f"{axis.heading} {axis.say(row[axis.column])}" for axis in axes)
+    if result.requirements:
+        return f"The rig of the answer, one of {count(len(result.rows))} configurations: {where}."
     return f"The best of {count(len(result.rows))} configurations: {where}."
 
 

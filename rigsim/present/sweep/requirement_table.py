@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from rigsim.present.kit.format import MISSING, number
@@ -15,8 +16,9 @@ from rigsim.study.sweep.result import SweepResult
 
 
 def requirement_table(result: SweepResult) -> PageTable | None:
-    """One row a configuration that the simulation tells apart, those that were ranked first: its error at
-    each distance asked for, with its interval, and whether that is enough; None where nothing was asked."""
+    """One row a configuration that the simulation tells apart, in the order of the sweep, or where they are
+    many those that were ranked first: its error at each distance asked for, with its interval, and whether
+    that is enough; None where nothing was asked."""
     held = result.requirements
     if not held:
         return None
@@ -27,10 +29,12 @@ def requirement_table(result: SweepResult) -> PageTable | None:
         headings += [(asked_words(one.asked), "simulated, mm"), ("95 % interval", "mm"), ("verdict", "")]
         numeric += [True, True, False]
     taken = take(result.rows, result.best, held)
-    others = [i for i in range(len(result.rows)) if i not in set(result.best)]
+    places: Sequence[int] = range(len(result.rows))
+    if len(places) > MOST_ROWS:
+        places = [*result.best, *(i for i in places if i not in set(result.best))]
     rows: list[TableRow] = []
     seen: set[tuple[object, ...]] = set()
-    for place in [*result.best, *others]:
+    for place in places:
         row = result.rows.iloc[place]
         own = tuple(row[axis] for axis in AXES if axis != col.SENSOR)
         if own in seen or len(rows) == MOST_ROWS:

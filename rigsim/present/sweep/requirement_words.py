@@ -15,6 +15,7 @@ from rigsim.study.sweep.requirement import (
     nearest_miss,
     take,
     verdicts,
+    would_meet,
 )
 from rigsim.study.sweep.result import SweepResult
 
@@ -66,11 +67,25 @@ def reasons(result: SweepResult) -> list[str]:
     sentences = []
     if shown is not None:
         who = "Its" if chosen is not None else f"Nearest to it comes {_row(result, shown)}: its"
-        sentences.append(f"{who} depth error, simulated in renderings, is {_errors(held, shown)}.")
+        sentences.append(f"{who} depth error, simulated on points of the scene, is {_errors(held, shown)}.")
     found = verdicts(held)
-    if len(found) > 1:
+    if chosen is None and shown is not None and found[shown] == "not_met":
+        sentences += _would_meet(result)
+    if "met" in found and len(found) > 1:
         sentences.append(_counts(found))
     return [*sentences, *_least(result, found, chosen), *_not_shown(held, found)]
+
+
+def _would_meet(result: SweepResult) -> list[str]:
+    """What would do, as far as the closed form tells; the rig on show is the one that comes nearest."""
+    show = result.showcase
+    found = would_meet(show.rig, show.noise, result.requirements)
+    if found is None:
+        return []
+    return [
+        f"By the closed form a baseline of {mm(1e3 * found.baseline_m)} would, all else the same, or pixel "
+        f"noise of {found.noise_px:.3g} px; neither was simulated."
+    ]
 
 
 def _counts(found: Sequence[RowVerdict]) -> str:

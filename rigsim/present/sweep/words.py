@@ -45,7 +45,7 @@ def verdict(result: SweepResult) -> Verdict:
         *([] if result.complete else ["The run was interrupted: only the rigs done until then are shown."]),
         *_far_end(bins),
         *_averages(row),
-        *_choice(result),
+        *([] if result.requirements else _choice(result)),
         *_trend(result),
         *_measured(row),
         *_agreement(rows),

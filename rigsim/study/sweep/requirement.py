@@ -18,9 +18,13 @@ import numpy as np
 import pandas as pd
 
 from rigsim.rig.arrays import Array, Ids
+from rigsim.rig.noise import PixelNoise
+from rigsim.rig.stereo import StereoRig
 from rigsim.study.agreement.agreement import flagged
 from rigsim.study.scene import columns as col
 from rigsim.study.sweep.comparison import FEWEST_POINTS, row_of_bins
+from rigsim.theory.inverse_error import P95_OVER_STD
+from rigsim.theory.uncertainty import predict_depth_std
 
 RowVerdict: TypeAlias = Literal["met", "not_met", "not_shown"]
 VERDICTS: tuple[RowVerdict, ...] = get_args(RowVerdict)
@@ -115,6 +119,44 @@ def nearest_miss(best: Sequence[int], held: Sequence[RowsHeld]) -> int | None:
         if all(math.isfinite(one.rows[i].error_mm) for one in held)
     }
     return min(over, key=lambda i: over[i]) if over else None
+
+
+def answer_first(
+    rows: pd.DataFrame, best: Sequence[int], held: Sequence[RowsHeld]
+) -> tuple[tuple[int, ...], int | None]:
+    """The places of the rows, best first, where something is asked: before all others the row to take or,
+    where none is, the one nearest to it; and which that is, None where none says anything."""
+    first = take(rows, best, held) if held else None
+    if first is None and held:
+        first = nearest_miss(best, held)
+    if first is None:
+        return tuple(best), None
+    return (first, *(place for place in best if place != first)), first
+
+
+@dataclass(frozen=True, slots=True)
+class WouldMeet:
+    """What would meet what was asked, by the closed form of a rectified rig's depth error."""
+
+    baseline_m: float
+    """A baseline, m, with the noise as it is."""
+    noise_px: float
+    """Or a noise, px, with the baseline as it is."""
+
+
+def would_meet(rig: StereoRig, noise: PixelNoise, held: Sequence[RowsHeld]) -> WouldMeet | None:
+    """What would meet all that was asked: the error goes with ``sigma / B``; None where it does not."""
+    if not rig.is_rectified or not held:
+        return None
+    over = max(
+        float(predict_depth_std(rig, np.array([[0.0, 0.0, one.asked.at_mm / 1e3]]), noise)[0])
+        * (P95_OVER_STD if one.asked.p95 else 1.0)
+        / (one.asked.error_mm / 1e3)
+        for one in held
+    )
+    if not 0 < over < math.inf:
+        return None
+    return WouldMeet(rig.baseline_m * over, noise.std_px / over)
 
 
 def _held(asked: DepthRequirement, by_depth: pd.DataFrame, lines: Ids) -> RowHeld:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -26,6 +26,7 @@ from rigsim.study.sweep.advice import advise, why_none
 from rigsim.study.sweep.choice import rank
 from rigsim.study.sweep.limits import limits, swept_axes
 from rigsim.study.sweep.processes import run_all
+from rigsim.study.sweep.requirement import DepthRequirement, answer_first, hold_rows
 from rigsim.study.sweep.result import SweepResult
 from rigsim.study.triangulators.registry import label as label_of
 from rigsim.study.triangulators.registry import started
@@ -37,6 +38,7 @@ def sweep(
     *,
     jobs: int = 1,
     progress: Callable[[int], None] | None = None,
+    require: Sequence[DepthRequirement] = (),
 ) -> SweepResult:
     """Predict and simulate every rig in the scene, beside each other.
 
@@ -46,6 +48,7 @@ def sweep(
         jobs: processes; the numbers do not depend on it.
         progress: called with the number of rigs done. When it or a worker is interrupted
             (KeyboardInterrupt), the result holds what is done by then.
+        require: depth errors asked for: the row that meets them, or comes nearest, is the best then.
 
     Raises:
         InvalidScene: the scene cannot be used, or no rig sees anything with both cameras.
@@ -76,7 +79,7 @@ def sweep(
         here = replace(plan, triangulators=methods)  # processes start their own
         done = _run_all(todo, here if jobs == 1 else plan, jobs, simulator, progress)
         lens_held: Held = rigs.lens_held if isinstance(rigs, RigGrid) else ""
-        return _conclude(done, here, simulator, lens_held)
+        return _conclude(done, here, simulator, lens_held, require)
 
 
 @dataclass(slots=True)
@@ -159,7 +162,9 @@ def _rigs(rigs: object) -> list[StereoRig]:
     return [given.a(StereoRig, rig, "a StereoRig, several, or a RigGrid") for rig in given.several(rigs)]
 
 
-def _conclude(done: _Done, plan: Plan, simulator: Simulator, lens_held: Held) -> SweepResult:
+def _conclude(
+    done: _Done, plan: Plan, simulator: Simulator, lens_held: Held, require: Sequence[DepthRequirement]
+) -> SweepResult:
     rows = [row for outcome in done.outcomes for row in outcome.rows]
     by_depth = [row for outcome in done.outcomes for row in outcome.by_depth]
     table = pd.DataFrame(rows, columns=list(ROW_COLUMNS))
@@ -172,6 +177,8 @@ def _conclude(done: _Done, plan: Plan, simulator: Simulator, lens_held: Held) ->
         reasons = dict.fromkeys(why_none(one).removeprefix(where) for one in table[col.AGREEMENT])
         why = "; ".join(list(reasons)[:3])
         raise InvalidScene(f"{where}no rig has a result ({why}): {advise(simulator, done.rigs, plan)}")
+    held = hold_rows(table, depth_table, require)
+    order, _ = answer_first(table, order, held)
     first = (col.BASELINE, col.HFOV, col.WIDTH) if lens_held else AXES
     swept = swept_axes(table, tuple(dict.fromkeys((*plan.asked, *first))))
     per_rig = len(plan.noises) * len(plan.triangulators) * len(plan.sensors)
@@ -197,6 +204,7 @@ def _conclude(done: _Done, plan: Plan, simulator: Simulator, lens_held: Held) ->
         broken=done.breakage,
         faults=tuple(fault for outcome in done.outcomes for fault in outcome.faults),
         remarks=done.remarks,
+        requirements=held,
     )
 
 

@@ -6,6 +6,7 @@ import base64
 import dataclasses
 import json
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from rigsim import Intrinsics, PixelNoise, Plan, RigGrid, StereoRig, sweep
 from rigsim.api.kit.cover import LOGO_BYTES, cover
 from rigsim.cli.app import run
 from rigsim.errors import OutputError
+from rigsim.interop.formats.rig_toml import read_rig
 from rigsim.present.kit.agreement import reason
 from rigsim.present.kit.page import Cover
 from rigsim.present.sweep.page import report_html
@@ -24,7 +26,16 @@ from rigsim.present.sweep.tables import DITTO, all_rows, best_by_depth
 from rigsim.present.sweep.words import verdict
 from rigsim.study.agreement.agreement import Agreement
 from rigsim.study.scene.columns import AXES, DEPTH_COLUMNS, ROW_COLUMNS
-from rigsim.study.sweep.requirement import DepthRequirement, RowHeld, hold_rows, nearest_miss, take, verdicts
+from rigsim.study.sweep.requirement import (
+    DepthRequirement,
+    RowHeld,
+    answer_first,
+    hold_rows,
+    nearest_miss,
+    take,
+    verdicts,
+    would_meet,
+)
 from rigsim.study.sweep.result import SweepResult
 from tests.helpers.documents import valid
 from tests.helpers.synthetic_sweeps import make_result
@@ -112,9 +123,54 @@ def test_the_interval_holds_the_closed_form_at_the_distance() -> None:
     assert np.mean(inside) >= 0.8  # 95 % are expected
 
 
+def test_the_whole_report_is_about_the_rig_of_the_answer(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Not about another one that is best at all distances together, and misses what was asked."""
+    monkeypatch.chdir(tmp_path)
+    # 150 mm see more of the picture; 9 sqrt(2) 0.15 / (228.5 B) are 55.7 mm with them and 27.9 with 300
+    words = [*SWEEP, "--hfov", "70", "--noise", "0.15", "--require"]
+    words[words.index("50,200")] = "150,300"
+    assert run([*words, "32mm@3m", "--out", "met"]) == 0
+    printed = capsys.readouterr().out
+    assert printed.startswith("Take 300 mm of baseline: it meets 32 mm at 3 m.")
+    rig = read_rig(tmp_path / "met" / "rig.toml")
+    assert rig.baseline_m == pytest.approx(0.3)
+    assert "that meets what was asked" in (tmp_path / "met" / "rig.toml").read_text()
+    html = (tmp_path / "met" / "report.html").read_text()
+    assert len(re.findall(r"★ 300", html)) == html.count("★ ") >= 1
+    assert run([*words, "20mm@3m", "--out", "none"]) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    assert printed.startswith("No rig of this sweep meets 20 mm at 3 m. Nearest to it comes 300 mm of base")
+    focal_px = 160 / math.tan(math.radians(35))
+    need_mm = 1e3 * 9 * math.sqrt(2) * 0.15 / (focal_px * 0.020)
+    assert f"a baseline of {need_mm:.3g} mm would, all else the same" in printed
+    assert read_rig(tmp_path / "none" / "rig.toml").baseline_m == pytest.approx(0.3)
+    assert "nearest" in (tmp_path / "none" / "rig.toml").read_text()
+
+
+@pytest.mark.parametrize("p95", [False, True])
+def test_what_would_meet_it_does(p95: bool) -> None:
+    rig = StereoRig.rectified(Intrinsics.from_focal(640, 480, 500.0), 0.1)
+    # by hand: 9 sqrt(2) 0.25 / (500 x 0.1) = 63.6 mm; for 20 mm 3.18 times as long, or as quiet
+    (held,) = hold_rows(*no_rows(), [DepthRequirement(3000.0, 20.0, p95)])
+    found = would_meet(rig, PixelNoise(0.25), [held])
+    assert found is not None
+    times = 3.18198 * (1.959964 if p95 else 1.0)
+    assert (found.baseline_m, found.noise_px) == pytest.approx((0.1 * times, 0.25 / times), rel=1e-5)
+    toed = StereoRig.verged(Intrinsics.from_focal(640, 480, 500.0), 0.1, 5.0)
+    assert would_meet(toed, PixelNoise(0.25), [held]) is None
+
+
+def no_rows() -> tuple[pd.DataFrame, pd.DataFrame]:
+    return pd.DataFrame(columns=list(ROW_COLUMNS)), pd.DataFrame(columns=list(DEPTH_COLUMNS))
+
+
 def asked(*required: DepthRequirement, **made: Any) -> SweepResult:
     result = make_result((50, 100, 200), n_points=400, **made)
-    return dataclasses.replace(result, requirements=hold_rows(result.rows, result.by_depth, required))
+    held = hold_rows(result.rows, result.by_depth, required)
+    best, _ = answer_first(result.rows, result.best, held)
+    return dataclasses.replace(result, requirements=held, best=best)
 
 
 def test_the_best_row_that_meets_it_is_taken_and_the_page_begins_with_it() -> None:
@@ -124,7 +180,7 @@ def test_the_best_row_that_meets_it_is_taken_and_the_page_begins_with_it() -> No
     assert take(result.rows, result.best, result.requirements) == 2
     said = verdict(result)
     assert said.headline == "Take 200 mm of baseline: it meets 45 mm at 3 m."
-    assert said.sentences[0].startswith("Its depth error, simulated in renderings, is 17.")
+    assert said.sentences[0].startswith("Its depth error, simulated on points of the scene, is 17.")
     assert said.sentences[1] == "2 of 3 rows meet it and 1 does not."
     assert said.sentences[2] == "The shortest baseline that meets it is 100 mm."
     html = report_html(result)
