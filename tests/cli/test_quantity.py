@@ -74,6 +74,21 @@ def test_units_stand_on_any_part(text: str) -> None:
     assert quantity.values(text, BASELINE) == (50, 200, 350, 500)
 
 
+@pytest.mark.parametrize(
+    ("text", "count", "second"),
+    [
+        ("50:500", 10, 100),
+        ("50:300", 11, 75),  # 250 / 10
+        ("100:300", 11, 120),  # 200 / 10 before 200 / 8
+        ("0.05:0.3m", 11, 75),
+        ("100:400", 10, 100 + 300 / 9),  # no round step at all
+    ],
+)
+def test_a_range_without_a_count_has_round_steps(text: str, count: int, second: float) -> None:
+    found = quantity.values(text, quantity.BASELINE)
+    assert (len(found), found[1]) == (count, pytest.approx(second))
+
+
 def test_unit_of_the_last_part_serves_the_whole_list() -> None:
     assert quantity.values("1,2,3cm", BASELINE) == (10, 20, 30)
     assert quantity.values("1mm,2,3cm", BASELINE) == (1, 20, 30)

@@ -1,6 +1,6 @@
 """Quantities, ranges and pairs as people type them: ``120``, ``12cm``, ``50:500``, ``0.5:5m``, ``640x480``.
 
-A range is ``a:b`` (10 even values, both ends), ``a:b:step``, ``a:b/count``, a list ``a,b,c``, or one
+A range is ``a:b`` (8 to 12 values, both ends, in round steps if there are any, else 10), ``a:b:step``, ``a:b/count``, a list ``a,b,c``, or one
 value. A part without a unit takes the unit of the next part that has one (``0.5:5m``), a step
 that of its range's end; failing that the option's own. The arithmetic is exact: ``0.1:0.5:0.1`` holds
 0.3, not 0.30000000000000004.
@@ -37,7 +37,9 @@ from rigsim.rig.quantity import QuantityKind as QuantityKind
 MAX_VALUES = 1_000_000
 """More values than this in one range are a slip of the pen."""
 DEFAULT_COUNT = 10
-"""Values of ``a:b``."""
+"""Values of ``a:b`` where no count near it makes a round step."""
+_COUNTS = (10, 11, 9, 12, 8)
+_ROUND = frozenset((Fraction(1), Fraction(2), Fraction(5, 2), Fraction(5)))
 
 LARGEST_PX = 1e6
 """Positions in an image beyond this are a slip of the pen."""
@@ -175,7 +177,7 @@ def _range(text: str, kind: QuantityKind) -> tuple[float, ...]:
     _check_order(start, stop, text, kind)
     if rest:
         return _stepped(start, stop, rest[0], text, kind)
-    count = DEFAULT_COUNT
+    count = _round_count(stop - start)
     if slash:
         if not re.fullmatch(r"\s*[0-9]{1,18}\s*", count_text) or int(count_text) < 2:
             raise InvalidRange(
@@ -183,6 +185,20 @@ def _range(text: str, kind: QuantityKind) -> tuple[float, ...]:
             )
         count = int(count_text)
     return _spread(start, stop, count, text, kind)
+
+
+def _round_count(extent: Fraction) -> int:
+    """How many values of a range have steps of 1, 2, 2.5 or 5 and any power of ten: what can be bought."""
+    return next((count for count in _COUNTS if _mantissa(extent / (count - 1)) in _ROUND), DEFAULT_COUNT)
+
+
+def _mantissa(value: Fraction) -> Fraction:
+    """A number > 0 without its power of ten: 1 <= mantissa < 10."""
+    while value >= 10:
+        value /= 10
+    while value < 1:
+        value *= 10
+    return value
 
 
 def _stepped(
