@@ -74,6 +74,13 @@ def test_the_report_says_what_to_buy_and_what_to_hold(
     for said in ("OmniVision OV9282, 3.84 × 2.40 mm", "4 mm, image circle at least 4.5 mm", "Mounting"):
         assert said in page
     assert "Not verified: formulas only" in page
+    badges = re.findall(r'<span class="badge (\w+)">[^<]* % of (\w+) rigs', page)
+    enough = (
+        "agrees"
+        if json.loads((tmp_path / "out" / "design.json").read_text())["recommended"]["class_enough"]
+        else "flagged"
+    )
+    assert [kind for kind, _ in badges] == [enough]
     assert not re.search(r"\d\.\d{7}", re.sub(r"<svg.*?</svg>|data:[^\"]*", "", page, flags=re.DOTALL))
     document = json.loads((tmp_path / "out" / "design.json").read_text())
     held = document["tolerance"]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from rigsim.errors import InvalidRange, InvalidRig, InvalidScene
 from rigsim.interop.documents.design.document import design_document
 from rigsim.present.design import words as sentences
-from rigsim.present.design.tolerance import tolerance_says
+from rigsim.present.design.tolerance import held_by, tolerance_says
 from rigsim.present.design.words import outcome
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.sensor import Sensor
@@ -325,6 +325,14 @@ def test_the_farthest_depth_error_is_what_the_build_is_held_to() -> None:
         own = ClassYield("calibrated", Count(960, 4000), Count(good, 300))
         says = tolerance_says(replace(found, yields=(*rest, own)))
         assert ("class calibrated holds already: leave it out there" in says) is said
+    worse = [ClassYield(name, Count(0, 4000), Count(1, 300)) for name in ("printed", "machined")]
+    few = replace(found, yields=(*worse, ClassYield("calibrated", Count(80, 4000), Count(3, 300))))
+    said = "2 % of calibrated rigs, as built, hold it, and no class more: too few"
+    assert held_by(few) == ("flagged", said)
+    many = replace(few, yields=(*worse, ClassYield("calibrated", Count(3900, 4000), Count(3, 300))))
+    assert held_by(many) == ("agrees", "98 % of calibrated rigs, as built, hold it")
+    open_ = replace(few, yields=(*worse, ClassYield("calibrated", Count(95, 100), Count(3, 300))))
+    assert held_by(open_)[0] == "untold"
 
 
 def test_a_range_nearer_than_the_lens_focuses_and_an_overlap_elsewhere() -> None:

@@ -1,9 +1,9 @@
 """Quantities, ranges and pairs as people type them: ``120``, ``12cm``, ``50:500``, ``0.5:5m``, ``640x480``.
 
-A range is ``a:b`` (8 to 12 values, both ends, in round steps if there are any, else 10), ``a:b:step``, ``a:b/count``, a list ``a,b,c``, or one
-value. A part without a unit takes the unit of the next part that has one (``0.5:5m``), a step
-that of its range's end; failing that the option's own. The arithmetic is exact: ``0.1:0.5:0.1`` holds
-0.3, not 0.30000000000000004.
+A range is ``a:b`` (8 to 12 values, both ends, in round steps if there are any, else 10), ``a:b:step``,
+``a:b/count``, a list ``a,b,c``, or one value. A part without a unit takes the unit of the next part that has
+one (``0.5:5m``), a step that of its range's end; failing that the option's own. The arithmetic is exact:
+``0.1:0.5:0.1`` holds 0.3, not 0.30000000000000004.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rigsim.present.design.tolerance import limit_says, tolerance_says
+from rigsim.present.design.tolerance import held_by, limit_says, tolerance_says
 from rigsim.present.design.words import badge, noise, outcome
 from rigsim.present.kit.console import make_console, print_table
 from rigsim.present.kit.format import MISSING, number
@@ -194,6 +194,8 @@ def print_design(
     console = console or make_console()
     how = badge(proofs) or "Recommended, not verified"
     console.print(f"{how}: {headline(design, proofs)}", style="bold", soft_wrap=True)
+    if tolerance is not None and held_by(tolerance)[0] != "agrees":
+        console.print(f"  When it is built: {held_by(tolerance)[1]}.", style="bold", soft_wrap=True)
     for sentence in sentences(design, proofs):
         console.print(f"  {sentence.replace('`', '')}", soft_wrap=True)
     console.print()

@@ -17,7 +17,7 @@ from rigsim.present.design.console import (
     shown_by_words,
 )
 from rigsim.present.design.figures import pareto_figure, plan_figure, region_figure
-from rigsim.present.design.tolerance import limit_says, tolerance_says
+from rigsim.present.design.tolerance import held_by, limit_says, tolerance_says
 from rigsim.present.design.words import badge
 from rigsim.present.design.words import noise as noise_from
 from rigsim.present.kit import style
@@ -61,6 +61,7 @@ def design_html(
         title="Design of a stereo rig",
         cover=cover or Cover(),
         verified=badge(proofs).replace("Verified", "Verified by simulation"),
+        held_by=None if tolerance is None else held_by(tolerance),
         proved=bool(proofs),
         headline=headline(design, proofs),
         sentences=[*sentences(design, proofs), *([] if tolerance is None else [limit_says(tolerance)])],

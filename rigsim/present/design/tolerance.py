@@ -35,6 +35,10 @@ CHANGED: Sentences = {
 """What may be changed where no class will do."""
 
 
+STATES = ("as_built", "recalibrated")
+"""How rigs of a class may be, by the names of `ClassYield`."""
+
+
 def tolerance_says(tolerance: DesignTolerance) -> str:
     """What the build must hold, who holds it, and what would help where no class will do."""
     told = (
@@ -69,6 +73,24 @@ def limit_says(tolerance: DesignTolerance) -> str:
     limit = "pixel noise" if tolerance.limited_by == NOISE else QUANTITIES[tolerance.limited_by]
     how = "recalibrated" if state == "recalibrated" else "as built"
     return f"Class {name}, {how}: {words.share(count.share)} % with noise and build, limited most by {limit}."
+
+
+def held_by(tolerance: DesignTolerance) -> tuple[str, str]:
+    """Kind and words of how many built rigs hold it: of the class that will do, or of the one that comes
+    nearest; ``agrees`` where they are enough, ``flagged`` where they are too few, ``untold`` else."""
+    name, state, counted = tolerance.told
+    if not counted.is_enough:
+        name, state, counted = max(
+            ((item.name, state, getattr(item, state)) for item in tolerance.yields for state in STATES),
+            key=lambda one: one[2].share,
+        )
+    how = "recalibrated" if state == "recalibrated" else "as built"
+    said = f"{words.share(counted.share)} % of {name} rigs, {how}, hold it"
+    if counted.is_enough:
+        return "agrees", said
+    if counted.is_enough is None:
+        return "untold", f"{said}: not enough to tell whether 95 % do"
+    return "flagged", f"{said}, and no class more: too few"
 
 
 def attempt(tried: Attempt) -> str:
