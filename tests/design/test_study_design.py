@@ -17,6 +17,7 @@ from rigsim.present.design.tolerance import held_by, tolerance_says
 from rigsim.present.design.words import outcome
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.sensor import Sensor
+from rigsim.study.design import words
 from rigsim.study.design.budget import MARGIN
 from rigsim.study.design.buildable import Builder
 from rigsim.study.design.checks import RequirementCheck
@@ -344,3 +345,9 @@ def test_a_range_nearer_than_the_lens_focuses_and_an_overlap_elsewhere() -> None
     assert overlaps == {(1.0, 0.8), (0.5, 0.5)}
     near = specify(0.5, 3.0, [*asked, Requirement("overlap", 0.2, 0.5)])
     assert [r.limit for r in near.requirements if r.kind == "overlap"] == [0.2]
+
+
+def test_large_figures_are_said_with_all_their_digits() -> None:
+    assert words.value(Requirement("far_disparity", 4.0, 1.0), 2460.4, 3) == "2,460 sigma"
+    assert words.value(Requirement("far_disparity", 4.0, 1.0), 9.842, 3) == "9.84 sigma"
+    assert words.value(Requirement("max_disparity", 256.0, 1.0), 12345.6, 4) == "12,346 px"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from rigsim.present.design.tolerance import held_by, limit_says, tolerance_says
 from rigsim.present.design.words import badge, noise, outcome
 from rigsim.present.kit.console import make_console, print_table
-from rigsim.present.kit.format import MISSING, number
+from rigsim.present.kit.format import MISSING, number, plain
 from rigsim.study.design import words as words
 from rigsim.study.design.proof import Proof, held_to, recommended, verdict
 from rigsim.study.design.solve import Candidate, Design, Specification
@@ -37,7 +37,7 @@ def sentences(design: Design, proofs: Sequence[Proof]) -> tuple[str, ...]:
         f"Without build errors, this camera meets all requirements at any baseline from "
         f"{words.size(low.baseline_m, 4)} to {words.size(high.baseline_m, 4)}: a shorter one fails "
         f"{words.whole(low.requirement)}, a longer one fails {words.whole(high.requirement)}.",
-        f"The recommended baseline is {pick.margin * 100:.2g} % from its nearest limit"
+        f"The recommended baseline is {plain(pick.margin * 100, 2)} % from its nearest limit"
         + ("; the interval is too narrow for more." if pick.is_tight else "."),
         _budget(pick, design.specification),
     ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rigsim.present.kit.format import with_interval
+from rigsim.present.kit.format import plain, with_interval
 from rigsim.study.infer.run import Inference
 
 
@@ -33,4 +33,4 @@ def sentence(inference: Inference) -> str:
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:.2g} %" if share >= 1e-4 else "no"
+    return f"{plain(100 * share, 2)} %" if share >= 1e-4 else "no"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from rigsim.present.kit.format import length, to_error, with_error
+from rigsim.present.kit.format import length, plain, to_error, with_error
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.measure.result import Finding, RowFit
 from rigsim.study.measure.rows import down, shift_words
@@ -69,7 +69,9 @@ def _fault(rows: RowFit, rig: StereoRig) -> str:
         turn = "clockwise" if rows.turn > 0 else "counter-clockwise"
         said.append(f"turned {turn} by about {math.degrees(abs(math.atan(rows.turn))):.2g} deg")
     if rows.is_scaled:
-        said.append(f"{'larger' if rows.growth > 0 else 'smaller'} by about {100 * abs(rows.growth):.2g} %")
+        said.append(
+            f"{'larger' if rows.growth > 0 else 'smaller'} by about {plain(100 * abs(rows.growth), 2)} %"
+        )
     if not said:
         return "They share no shift and no turn: wrong matches, or pictures not taken at the same moment."
     if rows.is_shifted and len(said) == 1:
@@ -135,7 +137,7 @@ def _squares(finding: Finding) -> str:
 def _squares_off(finding: Finding, _: StereoRig) -> str:
     off = finding.numbers["off_pct"]
     return (
-        f"{_squares(finding)}: distances are {abs(off):.2g} % too {'large' if off > 0 else 'small'}. The "
+        f"{_squares(finding)}: distances are {plain(abs(off), 2)} % too {'large' if off > 0 else 'small'}. The "
         "baseline or the focal length is wrong by as much, or a picture is shifted along its rows by some "
         f"{finding.numbers['shift_px']:.2g} px."
     )
