@@ -13,6 +13,7 @@ from rigsim.api.result import Result
 from rigsim.api.rigs import RigLike, Several, read_rig
 from rigsim.errors import InvalidRange, MeasurementFailed
 from rigsim.rig import given
+from rigsim.rig.noise import coordinate_noises_px
 from rigsim.rig.remark import Remark
 
 if TYPE_CHECKING:
@@ -30,7 +31,8 @@ class CompareOptions:
     programs: str | Sequence[str] = ()
     rig: RigLike | None = None
     geometries: str | Sequence[str] | None = None
-    noises_px: Several = (0.1, 0.25, 0.5, 1.0, 2.0)
+    noises_px: Several | None = None
+    disparity_noises_px: Several | None = None
     points: int = 20_000
     seed: int = 0
     timeout_s: float = TIMEOUT_S
@@ -112,7 +114,9 @@ def compare(options: CompareOptions) -> Compared:
         programs: Programs in any language, after the methods; see docs/reference/exec.md.
         rig: A rig beside the geometries: a preset's name, a calibration's path or text, or a rig.
         geometries: Their names; six of them unless said, and none for an empty list.
-        noises_px: Standard deviations of the noise of one pixel coordinate, px.
+        noises_px: Standard deviations of the noise of one pixel coordinate, px; 0.1, 0.25, 0.5, 1 and 2
+            unless said.
+        disparity_noises_px: Standard deviations of a disparity, px, instead: sqrt(2) times as much.
         points: Points for each geometry and noise level.
         seed: Seed of points and noise.
         timeout_s: For one call of a function or program of somebody else's, s.
@@ -133,12 +137,18 @@ def compare(options: CompareOptions) -> Compared:
         >>> round(float(found.table["pixel_error_over_first"].iloc[0]), 6)
         1.0
     """
-    from rigsim.study.compare.run import DEFAULT_METHODS, ComparisonPlan, comparison_provenance
+    from rigsim.study.compare.run import (
+        DEFAULT_METHODS,
+        DEFAULT_NOISES_PX,
+        ComparisonPlan,
+        comparison_provenance,
+    )
     from rigsim.study.compare.run import compare as run
 
+    noises_px = coordinate_noises_px(options.noises_px, options.disparity_noises_px)
     plan = ComparisonPlan(
         _geometries(options.geometries),
-        given.reals(options.noises_px, "noises_px"),
+        DEFAULT_NOISES_PX if noises_px is None else given.reals(noises_px, "noises_px"),
         int(given.real(options.points, "points")),
         int(given.real(options.seed, "seed")),
         None if options.rig is None else read_rig(options.rig),

@@ -8,21 +8,28 @@ import numpy as np
 import numpy.typing as npt
 
 from rigsim.api.rigs import RigLike, read_rig
-from rigsim.rig.noise import as_noise
+from rigsim.rig.noise import as_noise, coordinate_noise_px
 
 if TYPE_CHECKING:
     from rigsim.present.kit.types import Figure
 
 
 def rig_figure(
-    rig: RigLike, points_left: npt.ArrayLike = (), *, noise_px: float = 0.25, title: str = ""
+    rig: RigLike,
+    points_left: npt.ArrayLike = (),
+    *,
+    noise_px: float | None = None,
+    disparity_noise_px: float | None = None,
+    title: str = "",
 ) -> Figure:
     """Draw a rig from above, with its views and the lines of equal predicted depth error.
 
     Args:
         rig: a rig, a preset's name, or a calibration's path or text.
         points_left: points (N, 3) m in the left camera's frame, with their lines of sight when few.
-        noise_px: standard deviation of one pixel coordinate, px, for the lines; 0 draws none.
+        noise_px: standard deviation of one pixel coordinate, px, for the lines; 0.25 unless said, 0 draws
+            none.
+        disparity_noise_px: standard deviation of a disparity, px, instead: sqrt(2) times as much.
         title: heading.
 
     Returns:
@@ -37,4 +44,6 @@ def rig_figure(
     from rigsim.present.kit.topdown import topdown_figure
 
     points = np.asarray(points_left, dtype=np.float64).reshape(-1, 3)
-    return topdown_figure(read_rig(rig), points, noise=as_noise(noise_px), rays=len(points) > 0, title=title)
+    said = coordinate_noise_px(noise_px, disparity_noise_px)
+    noise = as_noise(0.25 if said is None else said)
+    return topdown_figure(read_rig(rig), points, noise=noise, rays=len(points) > 0, title=title)

@@ -101,7 +101,8 @@ def sweep(options: SweepOptions) -> Sweep:
         hfovs_deg: Horizontal fields of view, deg.
         resolutions_px: (width, height), px.
         vergences_deg: Toe-in angles, deg.
-        noises_px: Standard deviations of the noise of one pixel coordinate, px.
+        noises_px: Standard deviations of the noise of one pixel coordinate, px; 0.25 unless said.
+        disparity_noises_px: Standard deviations of a disparity, px, instead: sqrt(2) times as much.
         more: Values of other axes, by name, as the command line calls them, in their column's unit.
         scene: A bundled scene's name, or the path of an MJCF file.
         mount: Where the rig sits: ``body:NAME``, ``site:NAME`` or ``camera:NAME``.

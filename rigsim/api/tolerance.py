@@ -14,6 +14,7 @@ from rigsim.api.result import Result
 from rigsim.api.rigs import RigLike, read_rig
 from rigsim.errors import InvalidRange
 from rigsim.rig import given
+from rigsim.rig.noise import coordinate_noise_px
 from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 
@@ -51,7 +52,8 @@ class ToleranceOptions:
     recalibrate: bool = True
     recalibration_features: int = 60
     recalibration_pictures: int = 10
-    noise_px: float = 0.25
+    noise_px: float | None = None
+    disparity_noise_px: float | None = None
     length_std_mm: float = 0.5
     rigs: int = 10_000
     points: int = 500
@@ -167,7 +169,8 @@ def tolerance(options: ToleranceOptions) -> Toleranced:
         recalibrate: Whether each rig is recalibrated on epipolar errors and known lengths as well.
         recalibration_features: Features that a recalibration sees in a picture.
         recalibration_pictures: Pictures it averages each of them over.
-        noise_px: Standard deviation of the noise of one pixel coordinate, px.
+        noise_px: Standard deviation of the noise of one pixel coordinate, px; 0.25 unless said.
+        disparity_noise_px: Standard deviation of a disparity, px, instead: sqrt(2) times as much.
         length_std_mm: Standard deviation of each known length, mm.
         rigs: How many are built.
         points: Points that each is judged by.
@@ -197,10 +200,11 @@ def _run(options: ToleranceOptions) -> ToleranceResult:
     required = _required(options, far_m)
     rig = read_rig(options.rig)
     held = _held(options, rig)
+    noise_px = coordinate_noise_px(options.noise_px, options.disparity_noise_px)
     session = Recalibration(
         options.recalibration_features,
         options.recalibration_pictures,
-        given.real(options.noise_px, "noise_px"),
+        0.25 if noise_px is None else given.real(noise_px, "noise_px"),
         given.real(options.length_std_mm, "length_std_mm"),
     )
     return run_tolerance(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -16,7 +16,8 @@ from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
 from rigsim.cli.kit.triangulators import TIMEOUT, InProcess
 from rigsim.cli.kit.triangulators import words as split
 
-_NOISE = quantity.QuantityKind("noise", "px", quantity.NOISE.factors, above=0)
+_NOISE = replace(quantity.NOISE, at_least=None, above=0)
+_DISPARITY_NOISE = replace(quantity.DISPARITY_NOISE, at_least=None, above=0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,8 +48,20 @@ class CompareWords:
         ),
     ] = None
     noise: Annotated[
-        str, typer.Option(metavar="PX", help="Noise levels, standard deviation of every pixel coordinate.")
-    ] = "0.1,0.25,0.5,1,2"
+        str | None,
+        typer.Option(
+            metavar="PX",
+            help="Noise levels, standard deviation of every pixel coordinate.  [default: 0.1,0.25,0.5,1,2]",
+        ),
+    ] = None
+    disparity_noise: Annotated[
+        str | None,
+        typer.Option(
+            metavar="PX",
+            help="Noise levels, standard deviation of a disparity, instead of --noise: sqrt(2) times as"
+            " much.",
+        ),
+    ] = None
     points: Annotated[int, typer.Option(metavar="N", help="Points for each geometry and noise level.")] = (
         20_000
     )
@@ -73,7 +86,9 @@ def compare(options: RigOptions, words: CompareWords) -> None:
     Every method gets the same noisy pixels. A rig given by options stands beside the geometries.
     """
     timeout_s = quantity.value(words.timeout, TIMEOUT)
-    noises_px = quantity.values(words.noise, _NOISE)
+    noises_px = None if words.noise is None else quantity.values(words.noise, _NOISE)
+    of_disparity = words.disparity_noise
+    disparity_noises_px = None if of_disparity is None else quantity.values(of_disparity, _DISPARITY_NOISE)
     methods = split(words.methods, "method")
     geometries = split(words.geometry, "geometry")
     claim(words.out, words.force)
@@ -88,6 +103,7 @@ def compare(options: RigOptions, words: CompareWords) -> None:
             rig=rig,
             geometries=() if geometries == ("none",) else geometries or None,
             noises_px=noises_px,
+            disparity_noises_px=disparity_noises_px,
             points=words.points,
             seed=words.seed,
             timeout_s=timeout_s,

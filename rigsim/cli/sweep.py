@@ -15,7 +15,7 @@ from rigsim import interrupts
 from rigsim.cli.design.asked import depth_error
 from rigsim.cli.kit import lists, quantity
 from rigsim.cli.kit.answer import claim, command, deliver, quiet
-from rigsim.cli.kit.axes import numbers_of, takes_axes
+from rigsim.cli.kit.axes import DISPARITY_NOISE, numbers_of, takes_axes
 from rigsim.cli.kit.cover import CoverWords
 from rigsim.cli.kit.golden import GoldenWords, held, leave_where_moved
 from rigsim.cli.kit.options import PixelPitch, PresetName, RigFile, SensorWidth, takes
@@ -117,7 +117,7 @@ def sweep(typed: Mapping[str, str], words: SweepWords, cover: CoverWords, golden
 
     Axes multiply. Lengths are in mm unless mm, cm or m is written.
     """
-    noises = numbers_of(typed, registry.OF_NOISE)
+    noises, disparity_noises_px = numbers_of(typed, registry.OF_NOISE), _disparity_noises_px(typed)
     methods = _methods(words.triangulator)
     timeout_s = quantity.value(words.timeout, TIMEOUT)
     range_m = _range(words.depth_range)
@@ -141,7 +141,8 @@ def sweep(typed: Mapping[str, str], words: SweepWords, cover: CoverWords, golden
         result = run(
             **axes,
             **sensor,
-            noises_px=noises.pop("noise", 0.25),
+            noises_px=noises.pop("noise", None),
+            disparity_noises_px=disparity_noises_px,
             more={**options.other_axes(), **noises},
             scene=words.scene,
             mount=words.mount,
@@ -170,6 +171,11 @@ def sweep(typed: Mapping[str, str], words: SweepWords, cover: CoverWords, golden
     if result.broken:
         raise TriangulatorError(result.broken, "raised")
     leave_where_moved(result.golden)
+
+
+def _disparity_noises_px(typed: Mapping[str, str]) -> tuple[float, ...] | None:
+    text = typed.get(DISPARITY_NOISE)
+    return None if text is None else quantity.values(text, quantity.DISPARITY_NOISE)
 
 
 def _rigs(typed: Mapping[str, str], words: SweepWords) -> RigOptions:

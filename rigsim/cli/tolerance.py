@@ -13,7 +13,7 @@ import typer
 from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import claim, deliver
 from rigsim.cli.kit.golden import GoldenWords, held, leave_where_moved
-from rigsim.cli.kit.options import Json, takes, takes_rig
+from rigsim.cli.kit.options import DisparityNoise, Json, pixel_noise, takes, takes_rig
 from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
 from rigsim.cli.kit.tolerances import MaxRowError, ToleranceWord, row_error, tolerance_values
 from rigsim.errors import InvalidRange
@@ -81,13 +81,14 @@ class ToleranceWords:
         typer.Option("--recalibration-pictures", metavar="N", help="Images averaged per feature."),
     ] = 10
     noise: Annotated[
-        str,
+        str | None,
         typer.Option(
             metavar="PX",
             help="Noise per pixel coordinate, standard deviation: when rigs measure, and in a calibration"
-            " picture.",
+            " picture.  [default: 0.25]",
         ),
-    ] = "0.25"
+    ] = None
+    disparity_noise: DisparityNoise = None
     length_std: Annotated[
         str, typer.Option(metavar="LENGTH", help="Standard deviation of each known length.")
     ] = "0.5mm"
@@ -136,7 +137,7 @@ def tolerance(options: RigOptions, words: ToleranceWords, golden: GoldenWords) -
         recalibrate=words.recalibrate,
         recalibration_features=words.features,
         recalibration_pictures=words.pictures,
-        noise_px=quantity.value(words.noise, quantity.NOISE),
+        noise_px=pixel_noise(words.noise, words.disparity_noise).std_px,
         length_std_mm=quantity.value(words.length_std, _LENGTH),
         rigs=words.rigs,
         points=words.points,

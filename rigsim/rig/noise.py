@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
-from rigsim.errors import InvalidNoise
+from rigsim.errors import InvalidNoise, InvalidRange
 from rigsim.rig import given
 from rigsim.rig.arrays import Array
+
+_Noise = TypeVar("_Noise")
 
 _NAMES = {
     "std_px": "noise",
@@ -110,3 +113,51 @@ def as_noise(value: object) -> PixelNoise:
             f"noise {given.shown(value)}: must be a PixelNoise, or a number: the std of a coordinate in px"
         ) from None
     return PixelNoise(std_px)
+
+
+def coordinate_noise_px(noise_px: _Noise | None, disparity_noise_px: object) -> _Noise | float | None:
+    """Noise of one pixel coordinate, px, however it was said; None where it was not.
+
+    Args:
+        noise_px: it, as it comes; or None.
+        disparity_noise_px: standard deviation of a disparity, px, instead: sqrt(2) times as much; or None.
+
+    Raises:
+        InvalidRange: it is said both ways.
+        InvalidNoise: the disparity's is no number, or cannot be.
+    """
+    if disparity_noise_px is None:
+        return noise_px
+    if noise_px is not None:
+        raise _both((noise_px,), (disparity_noise_px,))
+    return _of_coordinate_px(disparity_noise_px)
+
+
+def coordinate_noises_px(noises_px: object, disparity_noises_px: object) -> tuple[object, ...] | None:
+    """The same for one or several."""
+    if disparity_noises_px is None:
+        return None if noises_px is None else given.several(noises_px)
+    of_disparity = given.several(disparity_noises_px)
+    if noises_px is not None:
+        raise _both(given.several(noises_px), of_disparity)
+    return tuple(_of_coordinate_px(value) for value in of_disparity)
+
+
+def _of_coordinate_px(disparity_noise_px: object) -> float:
+    return _of_disparity_px(disparity_noise_px) / math.sqrt(2)
+
+
+def _of_disparity_px(value: object) -> float:
+    px = given.real(value, "disparity noise", InvalidNoise)
+    if not (math.isfinite(px) and px >= 0):
+        raise InvalidNoise(f"disparity noise {px:g} px: must be >= 0 and finite")
+    return px
+
+
+def _both(noises_px: tuple[object, ...], disparity_noises_px: tuple[object, ...]) -> InvalidRange:
+    noise = ", ".join(f"{as_noise(value).std_px:g}" for value in noises_px)
+    disparity = ", ".join(f"{_of_disparity_px(value):g}" for value in disparity_noises_px)
+    return InvalidRange(
+        f"noise {noise} px and disparity noise {disparity} px both given: a disparity's is sqrt(2) times a "
+        "coordinate's, give one"
+    )

@@ -64,6 +64,9 @@ def test_a_new_axis_is_one_file_and_its_lines_in_the_registry(tmp_path: Path) ->
         assert (
             both.stderr == "rigsim: error: --noise and --snr both given: they say the same thing, give one\n"
         )
+    both = rigsim("--snr", "10", "--disparity-noise", "0.3", *small)
+    assert both.returncode == 2
+    assert "error: --snr and --disparity-noise both given: they say the same thing" in both.stderr
 
 
 TOE = """

@@ -11,6 +11,7 @@ from rigsim.api.kit.asked import DepthError, depth_errors
 from rigsim.api.rigs import Several, Sizes
 from rigsim.errors import InvalidRange
 from rigsim.rig import given
+from rigsim.rig.noise import coordinate_noise_px
 from rigsim.study.design.buildable import Builder, judged_by
 from rigsim.study.design.solve import PRIOR_NOISE_PX, Specification, specify
 from rigsim.study.saying import saying
@@ -73,20 +74,6 @@ class DesignOptions:
     note: str = ""
     logo: str | os.PathLike[str] | None = None
     ready: Callable[[], object] | None = None
-
-
-def coordinate_noise_px(noise_px: float | None, disparity_noise_px: float | None) -> float | None:
-    """Noise of one pixel coordinate, px, however it was said; None where it was not.
-
-    Raises:
-        InvalidRange: it is said both ways.
-    """
-    if noise_px is not None and disparity_noise_px is not None:
-        raise InvalidRange(
-            f"noise {noise_px:g} px and disparity noise {disparity_noise_px:g} px both given: a disparity's "
-            "is sqrt(2) times a coordinate's, give one"
-        )
-    return noise_px if disparity_noise_px is None else disparity_noise_px / math.sqrt(2)
 
 
 def specified(options: DesignOptions) -> Specification:

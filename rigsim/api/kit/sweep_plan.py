@@ -13,7 +13,7 @@ from rigsim.api.kit.sensors import TYPICAL_NOISE_GREY, SensorOptions, sensor_lab
 from rigsim.api.rigs import RigLike, Several, Sizes, Told, read_rig, rig_file, rig_for, told_of
 from rigsim.errors import InvalidRange
 from rigsim.rig import given
-from rigsim.rig.noise import PixelNoise, as_noise
+from rigsim.rig.noise import PixelNoise, as_noise, coordinate_noises_px
 from rigsim.rig.perturbation import Perturbation
 from rigsim.rig.remark import Remark
 from rigsim.rig.sensor import Sensor
@@ -23,6 +23,9 @@ from rigsim.study.scene.axes.axis import Axis
 from rigsim.study.scene.plan import Plan, RigGrid, Triangulator
 
 Rigs = RigGrid | RigLike | Iterable[StereoRig]
+
+NOISE_PX = 0.25
+"""Noise of a pixel coordinate where none is said."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +41,8 @@ class SweepOptions:
     hfovs_deg: Several = ()
     resolutions_px: Sizes = ()
     vergences_deg: Several = ()
-    noises_px: Several = 0.25
+    noises_px: Several | None = None
+    disparity_noises_px: Several | None = None
     more: Mapping[str, Several] | None = None
     scene: str | os.PathLike[str] = "boards"
     mount: str | None = None
@@ -73,7 +77,9 @@ class SweepOptions:
         return tuple(
             field.name
             for field in fields(self)
-            if field.name not in other and not _same(getattr(self, field.name), field.default)
+            if field.name not in other
+            and not _same(getattr(self, field.name), field.default)
+            and not (field.name == "noises_px" and _same(self.noises_px, NOISE_PX))
         )
 
 
@@ -163,11 +169,17 @@ def plan_of(options: SweepOptions) -> tuple[Plan, tuple[Remark, ...]]:
 
 def _noises(options: SweepOptions) -> tuple[PixelNoise, ...]:
     """Every noise asked for; axes of the noise multiply."""
+    said = coordinate_noises_px(options.noises_px, options.disparity_noises_px)
+    plain = (NOISE_PX,) if said is None else said
     values = _values(options.more, registry.OF_NOISE)
     if not values:
-        return tuple(as_noise(noise) for noise in given.several(options.noises_px))
-    if not any(registry.BY_NAME[name].instead_of == "noise" for name in values):
-        values["noise"] = given.reals(options.noises_px, "noises_px")
+        return tuple(as_noise(noise) for noise in plain)
+    same = [name for name in values if registry.BY_NAME[name].instead_of == "noise"]
+    if same and said is not None:
+        word = "noises_px" if options.disparity_noises_px is None else "disparity_noises_px"
+        raise InvalidRange(f"{word} and {same[0]} both given: they say the same thing, give one")
+    if not same:
+        values["noise"] = given.reals(plain, "noises_px")
     return registry.noises(values)
 
 

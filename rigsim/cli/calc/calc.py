@@ -16,7 +16,18 @@ from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import print_remarks
 from rigsim.cli.kit.facts import Fact, Form, print_facts, values
 from rigsim.cli.kit.golden import GoldenWords
-from rigsim.cli.kit.options import Csv, Json, Markdown, Noise, Principal, single_rig, takes, takes_rig
+from rigsim.cli.kit.options import (
+    Csv,
+    DisparityNoise,
+    Json,
+    Markdown,
+    Noise,
+    Principal,
+    pixel_noise,
+    single_rig,
+    takes,
+    takes_rig,
+)
 from rigsim.cli.kit.rigs import RigOptions
 from rigsim.errors import RigsimError
 
@@ -50,7 +61,8 @@ class PointWords:
     left: Annotated[str, typer.Option(metavar="U,V", help="The point in the left image, px: 980,500.")]
     right: Annotated[str, typer.Option(metavar="U,V", help="The point in the right image, px: 910,500.")]
     principal: Principal = None
-    noise: Noise = "0.25"
+    noise: Noise = None
+    disparity_noise: DisparityNoise = None
     disparity_error: DisparityError = None
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Draw the rig and the point from above, as PNG.")
@@ -73,7 +85,7 @@ def point(options: RigOptions, words: PointWords, golden: GoldenWords) -> None:
     form = Form(words.as_json, words.as_csv, words.as_markdown)
     golden.check("calc point")
     rig = single_rig(options, words.principal, size_for="--plot" if words.plot else "")
-    pixel_noise = _noise(words.noise)
+    noise = pixel_noise(words.noise, words.disparity_noise)
     uv_left = quantity.point(words.left, "left position")
     uv_right = quantity.point(words.right, "right position")
 
@@ -88,12 +100,12 @@ def point(options: RigOptions, words: PointWords, golden: GoldenWords) -> None:
     uv = np.array(uv_left), np.array(uv_right)
     seen = sight.sight_of_pixels(rig, *uv, sized=options.has_size)
     residual = sight.residual_px(rig, found, *uv)
-    about = _about(rig, found, pixel_noise, words.disparity_error, seen.by_both)
+    about = _about(rig, found, noise, words.disparity_error, seen.by_both)
     remarks = [
         *options.mode_remarks(rig),
         *sight.rig_remarks(rig, sized=options.has_size),
         *seen.remarks,
-        *sight.residual_remarks(rig, residual, pixel_noise, *uv),
+        *sight.residual_remarks(rig, residual, noise, *uv),
         *about.remarks,
     ]
     from_axis = not (options.has_size or words.principal)
@@ -106,11 +118,11 @@ def point(options: RigOptions, words: PointWords, golden: GoldenWords) -> None:
         Fact("y", "Y", y, "mm", f"below the left camera{frame_y}", error_y),
         Fact("z", "Z", z, "mm", "depth, in front of the left camera", error_z),
         Fact("disparity_px", "disparity", uv_left[0] - uv_right[0], "px", "u left - u right"),
-        *_residual_facts(residual, pixel_noise),
+        *_residual_facts(residual, noise),
         *about.facts,
     ]
     if words.plot is not None:
-        _draw(words.plot, rig, found[None], pixel_noise)
+        _draw(words.plot, rig, found[None], noise)
     origin = "optical axis" if from_axis else "first pixel"
 
     def document() -> dict[str, Any]:
@@ -132,7 +144,8 @@ class DepthWords:
             "--z", metavar="LENGTHS", help="Distances Z along the left optical axis: 3m, or 1,3,6m."
         ),
     ]
-    noise: Noise = "0.25"
+    noise: Noise = None
+    disparity_noise: DisparityNoise = None
     disparity_error: DisparityError = None
     as_json: Json = False
     as_csv: Csv = False
@@ -151,15 +164,15 @@ def depth(options: RigOptions, words: DepthWords, golden: GoldenWords) -> None:
     form = Form(words.as_json, words.as_csv, words.as_markdown)
     golden.check("calc depth")
     rigs = [(name, one, single_rig(one, None)) for name, one in options.each()]
-    pixel_noise = _noise(words.noise)
+    noise = pixel_noise(words.noise, words.disparity_noise)
     depths_mm = quantity.distances(words.z)
     at = [
-        At(name, depth_mm, rig, one.preset, *_depth_at(one, rig, depth_mm, words, pixel_noise))
+        At(name, depth_mm, rig, one.preset, *_depth_at(one, rig, depth_mm, words, noise))
         for name, one, rig in rigs
         for depth_mm in depths_mm
     ]
     if len(at) > 1:
-        print_beside(at, pixel_noise.std_px, form, golden)
+        print_beside(at, noise.std_px, form, golden)
         return
     facts, remarks = at[0].facts, at[0].remarks
 
@@ -283,12 +296,6 @@ def _if(told: bool, value: float) -> float:
 
 def _whose(options: RigOptions, says: str) -> str:
     return says if options.has_size else "no --resolution: images without an edge"
-
-
-def _noise(text: str) -> PixelNoise:
-    from rigsim.rig.noise import PixelNoise
-
-    return PixelNoise(quantity.value(text, quantity.NOISE))
 
 
 def _why_no_depth(rig: StereoRig, disparity_px: float) -> str:

@@ -12,7 +12,17 @@ from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import print_remarks
 from rigsim.cli.kit.facts import Fact, Form, print_facts, values
 from rigsim.cli.kit.golden import GoldenWords
-from rigsim.cli.kit.options import Csv, Json, Markdown, Noise, single_rig, takes, takes_rig
+from rigsim.cli.kit.options import (
+    Csv,
+    DisparityNoise,
+    Json,
+    Markdown,
+    Noise,
+    pixel_noise,
+    single_rig,
+    takes,
+    takes_rig,
+)
 from rigsim.cli.kit.rigs import RigOptions
 from rigsim.errors import InvalidRange
 
@@ -46,7 +56,8 @@ class MotionWords:
     moving: Annotated[
         str | None, typer.Option(metavar="WHAT", help="What the two speeds are of: rig or object.")
     ] = None
-    noise: Noise = "0.25"
+    noise: Noise = None
+    disparity_noise: DisparityNoise = None
     as_json: Json = False
     as_csv: Csv = False
     as_markdown: Markdown = False
@@ -67,23 +78,22 @@ def motion(options: RigOptions, words: MotionWords, golden: GoldenWords) -> None
     depth_mm, *more = quantity.distances(words.z)
     if more:
         raise InvalidRange(f"depth {words.z}: {1 + len(more)} distances; give one")
-    noise_px = quantity.value(words.noise, quantity.NOISE)
+    noise = pixel_noise(words.noise, words.disparity_noise)
 
     import numpy as np
 
-    from rigsim.rig.noise import PixelNoise
     from rigsim.study.calc import motion as study
     from rigsim.study.calc import sight
     from rigsim.theory.uncertainty import predict_depth_std
 
-    on_axis, noise = np.array([0.0, 0.0, depth_mm / 1e3]), PixelNoise(noise_px)
+    on_axis = np.array([0.0, 0.0, depth_mm / 1e3])
     seen = sight.sight_of_point(rig, on_axis, sized=options.has_size)
     found = study.motion_at(rig, moved, depth_mm / 1e3, noise, sized=options.has_size)
     std_mm = float(predict_depth_std(rig, on_axis[None], noise)[0]) * 1e3
     facts = [
         Fact("seen_by", "seen by", seen.seen_by, "", "which cameras see the point on the left optical axis"),
         Fact("z", "Z", depth_mm, "mm", "depth, when the left picture is taken"),
-        *_facts(found, seen.by_both, noise_px),
+        *_facts(found, seen.by_both, noise.std_px),
         Fact(
             "depth_std", "depth std", std_mm if seen.by_both else math.nan, "mm", "of noise alone, beside it"
         ),

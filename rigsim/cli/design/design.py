@@ -253,7 +253,7 @@ def _required(words: DesignWords, near_m: float, far_m: float) -> dict[str, Any]
     if words.noise is not None:
         found["noise_px"] = quantity.value(words.noise, quantity.NOISE)
     if words.disparity_noise is not None:
-        found["disparity_noise_px"] = quantity.value(words.disparity_noise, quantity.NOISE)
+        found["disparity_noise_px"] = quantity.value(words.disparity_noise, quantity.DISPARITY_NOISE)
     if words.nearest_focus is not None:
         found["nearest_focus_m"] = read.metres(words.nearest_focus, "nearest focus")
     found["max_row_error_px"] = row_error(words.max_row_error)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import inspect
 from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Annotated, Any, Concatenate, ParamSpec, TypeVar, cast
 
 import typer
@@ -23,23 +24,34 @@ CONTEXT = inspect.Parameter("context", inspect.Parameter.KEYWORD_ONLY, annotatio
 TYPED: tuple[Axis, ...] = tuple(axis for axis in registry.ALL if axis.of_rig or axis.of_noise)
 """Those with an option of their own making; triangulators and sensors have theirs in the commands."""
 
+DISPARITY_NOISE = "disparity_noise"
+"""An option that says the noise in other words, and is no axis: tables keep to the noise of a coordinate."""
+_DISPARITY_NOISE_HELP = (
+    "Noise per disparity, px standard deviation, instead of --noise: sqrt(2) times as much."
+)
+_NONE: Mapping[str, str] = MappingProxyType({})
+
 
 def takes_axes(command: Callable[Concatenate[Mapping[str, str], _P], _R]) -> Callable[..., _R]:
-    """Give `command` an option for each axis, and hand it those that were typed, by name, as its first
-    argument."""
+    """Give `command` an option for each axis and `DISPARITY_NOISE`, and hand it those that were typed, by
+    name, as its first argument."""
 
     @functools.wraps(command)
     def run(context: typer.Context, **words: Any) -> _R:
-        return cast(Callable[..., _R], command)(meant(TYPED, words, context), **words)
+        typed = meant(TYPED, words, context, {DISPARITY_NOISE: "noise"})
+        return cast(Callable[..., _R], command)(typed, **words)
 
     options = [
         inspect.Parameter(
-            axis.name,
+            name,
             inspect.Parameter.KEYWORD_ONLY,
-            default=axis.default,
-            annotation=Annotated[str | None, typer.Option(help=axis.help)],
+            default=default,
+            annotation=Annotated[str | None, typer.Option(help=says)],
         )
-        for axis in TYPED
+        for name, default, says in (
+            *((axis.name, axis.default, axis.help) for axis in TYPED),
+            (DISPARITY_NOISE, None, _DISPARITY_NOISE_HELP),
+        )
     ]
     own = list(inspect.signature(command, eval_str=True).parameters.values())[1:]
     parameters = [CONTEXT, *options, *(item.replace(kind=inspect.Parameter.KEYWORD_ONLY) for item in own)]
@@ -70,26 +82,34 @@ def values_of(typed: Mapping[str, str], axes: Sequence[Axis]) -> dict[str, tuple
     }
 
 
-def meant(axes: Sequence[Axis], words: dict[str, Any], context: typer.Context) -> dict[str, str]:
+def meant(
+    axes: Sequence[Axis],
+    words: dict[str, Any],
+    context: typer.Context,
+    other_words: Mapping[str, str] = _NONE,
+) -> dict[str, str]:
     """What was typed of `axes`, taken out of `words`, and what is meant where nothing was.
 
+    Args:
+        axes: what can be typed.
+        words: what typer found, by name.
+        context: what it knows of them.
+        other_words: further options, each with the axis that it says in other words.
+
     Raises:
-        InvalidRange: two axes that say the same were typed, be it with the value that is meant anyway.
+        InvalidRange: two that say the same were typed, be it with the value that is meant anyway.
     """
-    texts = {axis.name: words.pop(axis.name) for axis in axes}
+    about = {**{axis.name: axis.instead_of or axis.name for axis in axes}, **other_words}
+    texts = {name: words.pop(name) for name in about}
     said = {name: text for name, text in texts.items() if text is not None and _is_typed(context, name)}
-    replaced = set()
-    for name in said:
-        other = registry.BY_NAME[name].instead_of
-        if other in said:
-            raise InvalidRange(f"--{other} and --{name} both given: they say the same thing, give one")
-        replaced.add(other)
+    first: dict[str, str] = {}
+    for name in sorted(said, key=lambda name: name != about[name]):
+        other = first.setdefault(about[name], name)
+        if other != name:
+            both = f"--{other} and --{name}".replace("_", "-")
+            raise InvalidRange(f"{both} both given: they say the same thing, give one")
     unsaid = {
-        axis.name: axis.default
-        for axis in axes
-        if axis.default is not None
-        and not {axis.name, axis.instead_of} & set(said)
-        and axis.name not in replaced
+        axis.name: axis.default for axis in axes if axis.default is not None and about[axis.name] not in first
     }
     return said | unsaid
 

@@ -18,6 +18,7 @@ from rigsim.errors import InvalidRange
 from rigsim.study.scene.axes import registry
 
 if TYPE_CHECKING:
+    from rigsim.rig.noise import PixelNoise
     from rigsim.rig.stereo import StereoRig
 
 _P = ParamSpec("_P")
@@ -59,8 +60,14 @@ Principal = Annotated[
         " the optical axis) when no image size is known.",
     ),
 ]
+NOISE_PX = 0.25
+"""Standard deviation of a pixel coordinate where nothing says it."""
 Noise = Annotated[
-    str, typer.Option(metavar="PX", help="Standard deviation of every pixel coordinate in both images.")
+    str | None,
+    typer.Option(
+        metavar="PX",
+        help=f"Standard deviation of every pixel coordinate in both images.  [default: {NOISE_PX}]",
+    ),
 ]
 DisparityNoise = Annotated[
     str | None,
@@ -71,6 +78,21 @@ DisparityNoise = Annotated[
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document, at full precision.")]
 Csv = Annotated[bool, typer.Option("--csv", help="Print CSV, at full precision.")]
 Markdown = Annotated[bool, typer.Option("--markdown", help="Print a Markdown table.")]
+
+
+def pixel_noise(noise: str | None, disparity_noise: str | None) -> PixelNoise:
+    """The noise that ``--noise`` or ``--disparity-noise`` says, as typed; `NOISE_PX` where neither does.
+
+    Raises:
+        InvalidRange: both are typed, or one cannot be read.
+    """
+    from rigsim.rig.noise import PixelNoise, coordinate_noise_px
+
+    px = coordinate_noise_px(
+        None if noise is None else quantity.value(noise, quantity.NOISE),
+        None if disparity_noise is None else quantity.value(disparity_noise, quantity.DISPARITY_NOISE),
+    )
+    return PixelNoise(NOISE_PX if px is None else px)
 
 
 def takes(words: type[Any]) -> Callable[[Callable[..., _R]], Callable[..., _R]]:

@@ -18,6 +18,7 @@ from rigsim.errors import InvalidRange
 from rigsim.rig.quantity import BASELINE as BASELINE
 from rigsim.rig.quantity import DEPTH as DEPTH
 from rigsim.rig.quantity import DISPARITY as DISPARITY
+from rigsim.rig.quantity import DISPARITY_NOISE as DISPARITY_NOISE
 from rigsim.rig.quantity import FOCAL_MM as FOCAL_MM
 from rigsim.rig.quantity import FOCAL_PX as FOCAL_PX
 from rigsim.rig.quantity import FORWARD_SPEED as FORWARD_SPEED
