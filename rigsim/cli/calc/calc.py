@@ -12,6 +12,7 @@ import typer
 from rigsim.cli.calc.beside import At, print_beside, row_of
 from rigsim.cli.calc.limits import limits
 from rigsim.cli.calc.motion import motion
+from rigsim.cli.calc.points import points
 from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import print_remarks
 from rigsim.cli.kit.facts import Fact, Form, print_facts, values
@@ -218,6 +219,7 @@ def _depth_at(
     return facts, remarks
 
 
+app.command()(points)
 app.command()(limits)
 app.command()(motion)
 
