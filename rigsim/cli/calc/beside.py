@@ -70,7 +70,7 @@ def row_of(one: At) -> dict[str, Any]:
         "seen_by": told["seen_by"],
         "baseline_mm": one.rig.baseline_m * 1e3,
         "focal_px": one.rig.left.fx,
-        "disparity_px": told["disparity_px"],
+        **{key: told[key] for key in ("disparity_px", "row_px", "row_least_px", "row_most_px")},
         "claimed_mm": None if claim is None else _claimed_mm(claim, one.depth_mm),
         "claimed_pct": None if claim is None else claim.value,
         "claimed_at_mm": at_mm,

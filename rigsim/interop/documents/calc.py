@@ -42,6 +42,14 @@ class DepthRow(Part):
     """Focal length of the left camera, px."""
     disparity_px: float | None
     """``u_left - u_right``, px."""
+    row_px: float | None
+    """How far below its row in the left image the row in the right one lies, as they are seen, px: on the
+    left optical axis, 0 when rectified; null unless both cameras see the point."""
+    row_least_px: float | None
+    """The least of it over the part of the image that both see at this depth, px; null where there is none,
+    or no image size."""
+    row_most_px: float | None
+    """The greatest, px."""
     claimed_mm: float | None
     """The maker's claim, carried from its own distance to this one by the square of the distance, mm; null
     where none is published of a preset."""
@@ -64,6 +72,14 @@ class CalcDepthDocument(Part):
     """Focal length of the left camera, px."""
     disparity_px: float | None
     """``u_left - u_right``, px; null unless both cameras see the point."""
+    row_px: float | None
+    """How far below its row in the left image the row in the right one lies, as they are seen, px: on the
+    left optical axis, 0 when rectified; null unless both cameras see the point."""
+    row_least_px: float | None
+    """The least of it over the part of the image that both see at this depth, px; null where there is none,
+    or no image size."""
+    row_most_px: float | None
+    """The greatest, px."""
     world_per_pixel: float | None
     """Width of a pixel at this depth, mm."""
     depth_std: float | None
@@ -186,6 +202,14 @@ class LimitsAt(Part):
     """Their width in the scene, mm."""
     dead_rows_px: float
     """Left image rows in which the right camera sees nothing at this Z, px."""
+    row_px: float | None
+    """How far below its row in the left image the row in the right one lies, as they are seen, px: on the
+    left optical axis, 0 when rectified; null where a camera does not show it."""
+    row_least_px: float | None
+    """The least of it over the part of the image that both see at this depth, px; null where there is none,
+    or no image size."""
+    row_most_px: float | None
+    """The greatest, px."""
     depth_step: float | None
     """Depth of one pixel of disparity at this Z, mm; null where nothing is shared."""
     unit: Literal["mm"]
@@ -229,6 +253,12 @@ class CalcLimitsDocument(Part):
     dead_band: float | None
     """As in `at`, mm."""
     dead_rows_px: float | None
+    """As in `at`, px."""
+    row_px: float | None
+    """As in `at`, px."""
+    row_least_px: float | None
+    """As in `at`, px."""
+    row_most_px: float | None
     """As in `at`, px."""
     depth_step: float | None
     """As in `at`, mm."""
