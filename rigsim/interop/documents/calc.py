@@ -92,6 +92,8 @@ class CalcDepthDocument(Part):
     """Mean error of many noisy measurements, mm; null unless both cameras see the point."""
     rows: list[DepthRow]
     """Every rig at every distance, in the order given."""
+    says: str
+    """Which rig is the more accurate at which distance, in a sentence; empty for one rig."""
     remarks: list[RemarkPart]
     """What is odd: who does not see the point and why, too much noise, an unlikely lens, a camera's mode."""
     golden: Golden | None
@@ -284,17 +286,19 @@ def point_document(values: Values, uv_origin: str, remarks: Iterable[Remark]) ->
     return CalcPointDocument(**values, **rest).model_dump()
 
 
-def depth_document(values: Values, remarks: Iterable[Remark], rows: Sequence[Values]) -> dict[str, Any]:
+def depth_document(
+    values: Values, remarks: Iterable[Remark], rows: Sequence[Values], says: str = ""
+) -> dict[str, Any]:
     """What ``rigsim calc depth --json`` prints.
 
     Args:
         values: the numbers of the one rig at the one distance; None each where there are several.
         remarks: what is odd.
         rows: every rig at every distance.
+        says: which rig is the more accurate where.
     """
-    return CalcDepthDocument(
-        **values, rows=[DepthRow(**row) for row in rows], remarks=_told(remarks), golden=None, unit="mm"
-    ).model_dump()
+    rest: Values = {"says": says, "remarks": _told(remarks), "golden": None, "unit": "mm"}
+    return CalcDepthDocument(**values, rows=[DepthRow(**row) for row in rows], **rest).model_dump()
 
 
 def limits_document(values: Values, at: Sequence[Values], remarks: Iterable[Remark]) -> dict[str, Any]:
