@@ -95,8 +95,8 @@ def test_a_sentence_says_which_is_more_accurate(capsys: pytest.CaptureFixture[st
     says = document(capsys, "--preset", "oak-d,zed-2i", "--z", "1,3,6m")["says"]
     assert says == (
         "At 1, 3 and 6 m zed-2i is the more accurate: its depth std is 9.5 % smaller than that of oak-d. "
-        "The same noise is assumed for both, 0.25 px per coordinate, and these modes: oak-d at 1280x800 px and "
-        "zed-2i at 1280x720 px (HD720)."
+        "The same noise is assumed for both, 0.25 px per coordinate, and these modes: oak-d at 1280x800 px "
+        "and zed-2i at 1280x720 px (HD720)."
     )
     text = printed(capsys, "--preset", "oak-d,zed-2i", "--z", "1,3,6m")
     assert " ".join(text.split()).endswith(says)

@@ -148,7 +148,9 @@ class MotionPart(Part):
     forward_speed_m_s: float
     """Speed straight ahead, m/s."""
     turn_rate_deg_s: float
-    """How fast the rig turns to the right, deg/s."""
+    """How fast the rig turns to the right, deg/s; negative is to the left."""
+    pivot: Literal["middle of the baseline"]
+    """What it turns about."""
     moving: Literal["rig", "object"]
     """What the two speeds are of."""
 
@@ -178,6 +180,8 @@ class CalcMotionDocument(Part):
     """Time offset with which the largest shift along the rows is a disparity's noise, ms; null for any."""
     depth_std: float | None
     """Standard deviation of the depth for this noise, mm, beside it."""
+    says: str
+    """The answer in a sentence."""
     motion: MotionPart
     remarks: list[RemarkPart]
     """What is odd: who does not see the point, rows that a matcher would miss, no depth."""
@@ -321,17 +325,18 @@ def limits_document(values: Values, at: Sequence[Values], remarks: Iterable[Rema
     ).model_dump()
 
 
-def motion_document(values: Values, motion: Motion, remarks: Iterable[Remark]) -> dict[str, Any]:
+def motion_document(values: Values, motion: Motion, remarks: Iterable[Remark], says: str) -> dict[str, Any]:
     """What ``rigsim calc motion --json`` prints."""
     part: dict[str, Any] = {
         "time_offset_ms": clean(motion.time_offset_s * 1e3),
         "speed_m_s": motion.speed_m_s,
         "forward_speed_m_s": motion.forward_speed_m_s,
         "turn_rate_deg_s": clean(math.degrees(motion.turn_rate_rad_s)),
+        "pivot": "middle of the baseline",
         "moving": motion.moving,
     }
     return CalcMotionDocument(
-        **values, motion=MotionPart(**part), remarks=_told(remarks), golden=None, unit="mm"
+        **values, says=says, motion=MotionPart(**part), remarks=_told(remarks), golden=None, unit="mm"
     ).model_dump()
 
 
