@@ -15,6 +15,7 @@ from .api.rigs import read_rig as read_rig
 from .api.rigs import write_rig as write_rig
 from .api.sweep import sweep as sweep
 from .api.tolerance import tolerance as tolerance
+from .api.triangulate_points import triangulate_points as triangulate_points
 from .api.verify import verify as verify
 from .errors import RigsimError as RigsimError
 from .rig.intrinsics import Intrinsics as Intrinsics

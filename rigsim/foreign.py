@@ -21,6 +21,8 @@ from rigsim.errors import InvalidImage, OutputError
 
 TEXT_BYTES = 4_000_000
 """Largest calibration, rig, table or scene text; twenty thousand lines of numbers."""
+TABLE_BYTES = 200_000_000
+"""Largest table of measurements: a million lines."""
 PICTURE_BYTES = 1_000_000_000
 """Largest picture, disparity or cloud file."""
 PICTURE_PIXELS = 300_000_000

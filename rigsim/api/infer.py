@@ -54,12 +54,12 @@ class InferOptions:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inferred(Result):
-    """The disparity noise behind depth errors, and what it does to another rig."""
+    """The disparity noise behind depth errors, and what it does at other distances or to another rig."""
 
     inference: Inference
     """What follows from the errors."""
     carried: Transfer | None
-    """The same noise on another rig; None where none was named."""
+    """The same noise on another rig, or at other distances; None where neither was named."""
     remarks: tuple[Remark, ...] = ()
     """What is odd about the errors."""
 
@@ -122,9 +122,11 @@ def infer(options: InferOptions) -> Inferred:
         at_m: Their distances, m.
         p95: Whether they are 95th percentiles.
         errors: More of them, each a `DepthError`, which may be two bounds as well.
-        data: A wall test's CSV, instead: distance_mm, depth_std_mm and optionally depth_bias_mm, n.
+        data: A wall test's CSV, instead: distance_mm, depth_std_mm and optionally depth_bias_mm, n. Lengths
+            may be in m or cm, as the ending of a column's name says; z_mm or z_m is a distance as well.
         to: A rig that the noise is carried over to.
-        to_at_m: Distances for it, m; by default those given.
+        to_at_m: Distances for it, m, by default those given; without `to`, for the rig that the errors are
+            of.
 
     Raises:
         InvalidRange: A value is out of bounds, missing or given twice.
@@ -150,8 +152,6 @@ def infer(options: InferOptions) -> Inferred:
     published: tuple[Remark, ...] = ()
     if not claims and options.data is None:
         claims, published = published_claims(options.rig, p95=options.p95)
-    if options.to_at_m is not None and options.to is None:
-        raise InvalidRange("to_at_m is about another rig: name it by `to`")
     rig = read_rig(options.rig)
     said: tuple[Remark, ...] = ()
     if options.data is None:
@@ -161,6 +161,8 @@ def infer(options: InferOptions) -> Inferred:
 
         errors = read_depth_errors(given.path(options.data, "data"))
     other = None if options.to is None else read_rig(options.to)
+    if other is None and options.to_at_m is not None:
+        other = rig
     inference = infer_disparity_noise(rig, errors)
     carried = None
     if other is not None:

@@ -31,14 +31,19 @@ class InferWords:
     claim: Annotated[
         str | None,
         typer.Option(
+            "--claim",
+            "--measured",
             metavar="ERROR@Z,...",
-            help="Claimed depth errors: 1%@4m,2%@7m; 10mm@3m; or nearest:farthest, 8.1:13.1m@10m.",
+            help="Depth errors, claimed or your own measurements: 1%@4m,2%@7m; 10mm@3m; or nearest:farthest,"
+            " 8.1:13.1m@10m.",
         ),
     ] = None
     data: Annotated[
         Path | None,
         typer.Option(
-            metavar="CSV", help="Wall test: distance_mm, depth_std_mm and optionally depth_bias_mm, n."
+            metavar="CSV",
+            help="Wall test: distance_mm (or distance_m, z_mm, z_m), depth_std_mm and optionally"
+            " depth_bias_mm, n.",
         ),
     ] = None
     p95: Annotated[
@@ -49,7 +54,11 @@ class InferWords:
     ] = None
     at: Annotated[
         str | None,
-        typer.Option(metavar="Z,...", help="Distances for --to: 1m,2m,4m. By default those given."),
+        typer.Option(
+            metavar="Z,...",
+            help="Distances to tell the error at: 1m,2m,4m. Of the rig of --to, by default those given;"
+            " without --to of the same rig.",
+        ),
     ] = None
     out: Annotated[Path | None, typer.Option(help="Folder for infer.json and infer.png.")] = None
     force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False
@@ -72,8 +81,6 @@ def infer(options: RigOptions, words: InferWords) -> None:
         )
     if words.p95 and words.data is not None:
         raise InvalidRange("--p95 is about --claim: --data holds standard deviations")
-    if words.at is not None and words.to is None:
-        raise InvalidRange("--at is about another rig: name it by --to")
     claim_folder(words.out, words.force)
     rig = single_rig(options, None)
     errors = [] if words.claim is None else [_claimed(part, words.p95) for part in words.claim.split(",")]

@@ -52,6 +52,7 @@ BUILT_RIGS = Extent(
 )
 JUDGED_POINTS = Extent("points", 100_000, bytes_each=2000)
 DISTANCES = Extent("number of rows", 10_000, way_out="give one row a distance, with its n")
+PAIRS = Extent("number of pairs", 1_000_000, bytes_each=2000, way_out="split the table")
 CAMERAS = Extent("number of cameras", 10_000, way_out="take fewer values of --lens or --resolution")
 
 

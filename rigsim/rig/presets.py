@@ -55,6 +55,15 @@ class Preset:
         )
         return tuple(zip(widths, heights, strict=True))
 
+    def mode(self, rig: StereoRig) -> str:
+        """The image size of a rig that started from this camera, and what its maker calls that."""
+        size = f"{rig.left.width}x{rig.left.height} px"
+        named = (
+            item for item in self.figures if item.quantity == "width_px" and item.value == rig.left.width
+        )
+        note = next((item.note for item in named if item.note), "")
+        return f"{size} ({note})" if note else size
+
     def odd_mode(self, rig: StereoRig) -> Remark | None:
         """Whether a rig that started from this camera is one that it has no mode for; None for a scene's."""
         if not self.figures:

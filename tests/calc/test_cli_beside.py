@@ -74,8 +74,8 @@ def test_people_and_tables_get_the_claim_beside_it(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "120")
-    lines = printed(capsys, "--preset", "oak-d,zed-2i", "--z", "3,4m").rstrip().splitlines()[-4:]
-    ends = ["45.0  Z² from 2 % at 4 m", "80.0  2 % at 4 m", "–", "–"]
+    lines = printed(capsys, "--preset", "oak-d,zed-2i", "--z", "3,4m").partition("\n\n")[0].splitlines()[-4:]
+    ends = ["45.0  Z² from 2 % at 4 m", "80.0  2 % at 4 m", "not known", "not known"]
     for line, name, end in zip(lines, ["oak-d", "oak-d", "zed-2i", "zed-2i"], ends, strict=True):
         assert line.startswith(name)
         assert line.rstrip().endswith(end)
@@ -85,8 +85,51 @@ def test_people_and_tables_get_the_claim_beside_it(
     assert [row["rig"] for row in rows] == ["oak-d", "zed-2i"]
     assert float(rows[0]["claimed"]) == pytest.approx(45)
     table = printed(capsys, "--preset", "oak-d,zed-2i", "--z", "3m", "--markdown").splitlines()
-    assert len(table) == 4
-    assert {line.count("|") for line in table} == {9}
+    assert {line.count("|") for line in table[:4]} == {9}
+    assert table[4] == ""
+    assert table[5].startswith("At 3 m zed-2i is the more accurate")
+
+
+def test_a_sentence_says_which_is_more_accurate(capsys: pytest.CaptureFixture[str]) -> None:
+    # f B = 882.5 x 75 and 609.53 x 120: 66187.5 / 73143.6 = .9049
+    says = document(capsys, "--preset", "oak-d,zed-2i", "--z", "1,3,6m")["says"]
+    assert says == (
+        "At 1, 3 and 6 m zed-2i is the more accurate: its depth std is 9.5 % smaller than that of oak-d. "
+        "The same noise is assumed for both, 0.25 px per coordinate, and these modes: oak-d at 1280x800 px "
+        "and zed-2i at 1280x720 px (HD720)."
+    )
+    text = printed(capsys, "--preset", "oak-d,zed-2i", "--z", "1,3,6m")
+    assert " ".join(text.split()).endswith(says)
+    swapped = document(capsys, "--preset", "zed-2i,oak-d", "--z", "1,3,6m", "--noise", "0.1")["says"]
+    assert "zed-2i is the more accurate: its depth std is 9.5 % smaller than that of oak-d" in swapped
+    assert "0.1 px per coordinate" in swapped
+    says = document(capsys, "--preset", "boards,corridor,bin", "--z", "250mm,3m")["says"]
+    # f B = 108, 300 and 66 px m
+    assert "at 3 m corridor is the most accurate: its depth std is 64 % smaller than that of boards" in says
+    assert says.startswith("At 0.25 m boards is the most accurate")
+    assert says.endswith("The same noise is assumed for all, 0.25 px per coordinate.")
+    near = document(capsys, "--preset", "boards,corridor", "--z", "100,300mm")["says"]
+    assert "At 0.1 m none sees the point with both cameras; at 0.3 m only boards sees the point" in near
+    same = document(capsys, "--preset", "boards,bin", "--baseline", "100", "--focal", "900", "--z", "1m")[
+        "says"
+    ]
+    assert same.startswith("At 1 m boards and bin are equally accurate.")
+    for alone in (["--preset", "oak-d", "--z", "1m"], ["--preset", "oak-d", "--z", "1,2m"]):
+        assert document(capsys, *alone)["says"] == ""
+
+
+def test_a_claim_that_nobody_knows(capsys: pytest.CaptureFixture[str]) -> None:
+    lines = printed(capsys, "--preset", "zed-mini,boards", "--z", "1m").splitlines()
+    assert next(line for line in lines if line.startswith("zed-mini")).rstrip().endswith("not known")
+    assert next(line for line in lines if line.startswith("boards")).rstrip().endswith("–")  # nobody sells it
+
+
+def test_rows_apart_have_a_column_where_there_are_any(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ("--preset", "boards,bin", "--z", "1m")
+    table = printed(capsys, *words, "--vertical=-1mm", "--markdown").splitlines()
+    assert "| rows apart, px |" in table[0]
+    assert [line.split("|")[7].strip() for line in table[2:4]] == ["0.900", "1.10"]  # f x 1 mm / 1 m
+    assert "rows apart" not in printed(capsys, *words)
 
 
 def test_what_is_odd_names_its_rig(capsys: pytest.CaptureFixture[str]) -> None:

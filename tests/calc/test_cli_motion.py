@@ -32,6 +32,7 @@ def test_a_thing_that_passes_by_hand(capsys: pytest.CaptureFixture[str]) -> None
         "speed_m_s": 1.0,
         "forward_speed_m_s": 0.0,
         "turn_rate_deg_s": 0.0,
+        "pivot": "middle of the baseline",
         "moving": "object",
     }
 
@@ -62,6 +63,34 @@ def test_people_read_what_moves(capsys: pytest.CaptureFixture[str]) -> None:
         "the rig moves at -1 m/s along the baseline and 10 m/s straight ahead, the rig turns left at 3 deg/s"
     )
     assert f"Motion: {says}; the right picture 2 ms earlier" in printed
+
+
+def test_the_answer_comes_first(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ("--time-offset", "2ms", "--turn-rate", "30")
+    says = document(capsys, *words)["says"]
+    # 900 tan(.06 deg + atan .04) - 36 = .944 px more, and the swing: 108000 / 36.943 = 2923.4 mm
+    start = "At 3.00 m the depth comes out 76.6 mm (2.6 %) too small: the disparity is off by +0.943 px and "
+    assert says.startswith(
+        start + "the rows by 0 px. Over the image it is up to 112 mm, 1.40 px and 0.260 px."
+    )
+    assert says.endswith("The rig turns to the right (positive turn rate), about the middle of its baseline.")
+    assert run(["calc", "motion", *RIG, *words]) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    assert printed.startswith(says)
+    assert run(["calc", "motion", *RIG, *words, "--markdown"]) == 0
+    assert capsys.readouterr().out.startswith(f"{says}\n\n| quantity")
+    assert run(["calc", "motion", *RIG, *words, "--csv"]) == 0
+    assert capsys.readouterr().out.startswith("seen_by,")
+    left = document(capsys, "--time-offset", "2ms", "--turn-rate=-30")["says"]
+    assert "too large: the disparity is off by −0.943 px" in left
+    assert left.endswith("The rig turns to the left (negative turn rate), about the middle of its baseline.")
+    # a thing that passes: 2 mm at 3 m are .6 px, 108000 / 35.4 = 3050.8 mm; nobody turns
+    passed = document(capsys, "--time-offset", "2ms", "--speed", "1m/s", "--moving", "object")["says"]
+    assert "comes out 50.8 mm (1.7 %) too large: the disparity is off by −0.600 px" in passed
+    assert "turns" not in passed
+    assert "the depth is right" in document(capsys, "--time-offset", "2ms")["says"]
+    none = document(capsys, "--time-offset", "2ms", "--speed", "100m/s", "--moving", "object")["says"]
+    assert "At 3.00 m no depth is left: the disparity is off by −60.0 px" in none
 
 
 @pytest.mark.parametrize(

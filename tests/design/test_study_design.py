@@ -17,7 +17,7 @@ from rigsim.present.design.tolerance import held_by, tolerance_says
 from rigsim.present.design.words import outcome
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.sensor import Sensor
-from rigsim.study.design import words
+from rigsim.study.design import words as said_as
 from rigsim.study.design.budget import MARGIN
 from rigsim.study.design.buildable import Builder
 from rigsim.study.design.checks import RequirementCheck
@@ -348,6 +348,6 @@ def test_a_range_nearer_than_the_lens_focuses_and_an_overlap_elsewhere() -> None
 
 
 def test_large_figures_are_said_with_all_their_digits() -> None:
-    assert words.value(Requirement("far_disparity", 4.0, 1.0), 2460.4, 3) == "2,460 sigma"
-    assert words.value(Requirement("far_disparity", 4.0, 1.0), 9.842, 3) == "9.84 sigma"
-    assert words.value(Requirement("max_disparity", 256.0, 1.0), 12345.6, 4) == "12,346 px"
+    assert said_as.value(Requirement("far_disparity", 4.0, 1.0), 2460.4, 3) == "2,460 sigma"
+    assert said_as.value(Requirement("far_disparity", 4.0, 1.0), 9.842, 3) == "9.84 sigma"
+    assert said_as.value(Requirement("max_disparity", 256.0, 1.0), 12345.6, 4) == "12,346 px"

@@ -47,6 +47,7 @@ REGISTRIES = (
 # parts of errors and remarks, or why something was not run
 REASONS = (
     "calc/limits.py",
+    "calc/points.py",
     "calc/sight.py",
     "design/solve.py",
     "design/words.py",

@@ -98,6 +98,40 @@ def test_a_wall_test_and_another_rig(infer: Any, tmp_path: Path) -> None:
     assert len(again["rows"]) == 3
 
 
+def test_the_same_rig_at_another_distance(infer: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    words = "6mm@1m,25mm@2m,110mm@4m --preset oak-d --at 6m"
+    answer = infer(f"--claim {words}")
+    # 6, 25/4 and 110/16 mm per m^2 of distance by f B = 66.1875 px m
+    implied = [66.1875e-3 * 6, 66.1875e-3 * 25 / 4, 66.1875e-3 * 110 / 16]
+    assert min(implied) < answer["disparity_std_px"] < max(implied)
+    (row,) = answer["transfer"]["rows"]
+    assert row["depth_std_mm"] == pytest.approx(answer["disparity_std_px"] * 36 / 66.1875 * 1e3)
+    assert answer["transfer"]["rig"] == answer["rig"]
+    assert infer(f"--claim {words} --to oak-d")["transfer"] == answer["transfer"]
+    assert infer(f"--measured {words}") == answer
+    assert run(["infer", "--measured", *words.split()]) == 0
+    shown = capsys.readouterr().out
+    assert "Same noise, same rig: baseline 75.0 mm" in shown
+    assert "other rig" not in shown
+    assert run(["infer", "--help"]) == 0
+    assert "--measured" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("head", "per_mm"),
+    [("distance_m", 1e-3), ("z_m", 1e-3), ("z_mm", 1), ("distance", 1), ("Distance_cm", 0.1), ("Z", 1)],
+)
+def test_a_distance_by_other_names_and_units(infer: Any, tmp_path: Path, head: str, per_mm: float) -> None:
+    wall, other = tmp_path / "wall.csv", tmp_path / "other.csv"
+    wall.write_text(WALL)
+    lines = [line.split(",", 1) for line in WALL.splitlines()[1:]]
+    rows = "".join(f"{float(z) * per_mm:.10g},{rest}\n" for z, rest in lines)
+    other.write_text(f"{head},{WALL.splitlines()[0].split(',', 1)[1]}\n{rows}")
+    expected, found = (infer(f"--data {path} --preset d455") for path in (wall, other))
+    assert found["disparity_std_px"] == pytest.approx(expected["disparity_std_px"])
+    assert [row["distance_mm"] for row in found["rows"]] == pytest.approx([1000, 2000, 3000])
+
+
 def test_every_key_is_in_the_schema(infer: Any, tmp_path: Path) -> None:
     wall = tmp_path / "wall.csv"
     wall.write_text(WALL)
@@ -177,7 +211,6 @@ def test_people_get_tables_that_fit(
         ("--claim 0%@4m --preset oak-d", "percent of the distance must be > 0 and <= 100"),
         ("--claim 1%@4m --to oak-d --at 0m --preset oak-d", "depth 0 mm: must be > 0"),
         ("--claim 1%@4m --to oak-d --at 1parsec --preset oak-d", "unknown unit 'parsec'"),
-        ("--claim 1%@4m --at 1m --preset oak-d", "--at is about another rig"),
         ("--claim 1%@4m --to kinect --preset oak-d", "unknown preset 'kinect': choose one of boards"),
         ("--claim 1%@4m --to no.toml --preset oak-d", "no.toml: cannot be read"),
         ("--data no.csv --p95 --preset oak-d", "--p95 is about --claim"),
@@ -205,6 +238,9 @@ def test_bad_words_are_one_line(capsys: pytest.CaptureFixture[str], words: str, 
         ),
         ("distance_mm,depth_std_mm\n1000,-3\n", "line 2: depth_std_mm -3: must be > 0"),
         ("distance_mm,depth_std_mm\nnan,3\n", "line 2: distance_mm nan: must be a number"),
+        ("Distance_m,depth_std_mm\n0,3\n", "line 2: Distance_m 0: must be > 0"),
+        ("distance,depth_std_mm\n1.5,3\n", "line 2: distance 1.5: metres or millimetres? Call the column"),
+        ("z_m,distance_mm,depth_std_mm\n1,1000,3\n", "columns z_m and distance_mm say the same; leave one"),
         ("distance_mm,depth_std_mm,n\n1000,3,1\n", "line 2: n 1: must be a whole number >= 2"),
         ("distance_mm,depth_std_mm,depth_bias_mm\n1,3,x\n", "line 2: depth_bias_mm x: must be a number"),
     ],

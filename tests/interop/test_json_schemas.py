@@ -28,6 +28,7 @@ PAGE = (SCHEMAS.parent / "reference" / "json.md").read_text(encoding="utf-8")
 UNITS = re.compile(r"_(mm|m|px|deg|um|e|ms|m_s|deg_s|pct|fraction|share)$")
 WITHOUT_UNIT = {
     *("n", "n_matches", "n_tried", "n_truth", "n_points", "n_visible", "n_trials", "measured_n"),  # counts
+    *("n_pairs", "n_inconsistent"),  # counts
     *("count", "measured_count", "points", "trials", "rigs", "cameras_tried", "bits"),
     *("best", "board", "recommended", "seed"),  # places and numbers that name something
     *("features", "pictures"),

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from rigsim.cli.calc.better import Rated, better, modes_of
 from rigsim.cli.kit.answer import print_remarks
 from rigsim.cli.kit.facts import Fact, Form, print_facts, values
 from rigsim.cli.kit.golden import GoldenWords
@@ -18,16 +19,10 @@ if TYPE_CHECKING:
     from rigsim.rig.remark import Remark
     from rigsim.rig.stereo import StereoRig
 
-_HEADS = (
-    "rig",
-    "Z, m",
-    "disparity, px",
-    "depth std, mm",
-    "nearest, mm",
-    "farthest, mm",
-    "maker's claim, mm",
-    "",
-)
+_HEADS = ("rig", "Z, m", "disparity, px", "depth std, mm", "nearest, mm", "farthest, mm")
+_ROWS = ("rows apart, px",)
+_CLAIM = ("maker's claim, mm", "")
+_NOT_KNOWN = "not known"
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +51,15 @@ class At:
 
         return preset(self.preset).claim_near(self.depth_mm)
 
+    @property
+    def is_bought(self) -> bool:
+        """Whether it is a camera that somebody makes."""
+        if self.preset is None:
+            return False
+        from rigsim.rig.presets import preset
+
+        return bool(preset(self.preset).figures)
+
 
 def row_of(one: At) -> dict[str, Any]:
     """A row of the JSON document; lengths in mm, as their names say."""
@@ -70,7 +74,7 @@ def row_of(one: At) -> dict[str, Any]:
         "seen_by": told["seen_by"],
         "baseline_mm": one.rig.baseline_m * 1e3,
         "focal_px": one.rig.left.fx,
-        "disparity_px": told["disparity_px"],
+        **{key: told[key] for key in ("disparity_px", "row_px", "row_least_px", "row_most_px")},
         "claimed_mm": None if claim is None else _claimed_mm(claim, one.depth_mm),
         "claimed_pct": None if claim is None else claim.value,
         "claimed_at_mm": at_mm,
@@ -87,12 +91,13 @@ def print_beside(rows: Sequence[At], noise_px: float, form: Form, golden: Golden
         for remark in one.remarks
     ]
     told = {remark.text: remark for remark in remarks}  # each once
+    says = _says(rows, noise_px)
 
     def document() -> dict[str, Any]:
         from rigsim.interop.documents.calc import depth_document
 
         nothing = dict.fromkeys(fact.key for fact in rows[0].facts)
-        return depth_document(nothing, list(told.values()), [row_of(one) for one in rows])
+        return depth_document(nothing, list(told.values()), [row_of(one) for one in rows], says)
 
     print_remarks(told.values())
     named = [[Fact("rig", "rig", one.name, "", ""), *one.facts, *_claim_facts(one)] for one in rows]
@@ -103,24 +108,39 @@ def print_beside(rows: Sequence[At], noise_px: float, form: Form, golden: Golden
         document=document,
         rows=named,
         golden=golden,
-        show=lambda: _show(rows, noise_px, markdown=form.markdown),
+        show=lambda: _show(rows, noise_px, says, markdown=form.markdown),
     )
 
 
-def _show(rows: Sequence[At], noise_px: float, *, markdown: bool) -> None:
-    """Print the table for people."""
-    wide = len(_HEADS) if any(one.claim for one in rows) else len(_HEADS) - 2
-    heads, cells = _HEADS[:wide], [_cells(one)[:wide] for one in rows]
+def _says(rows: Sequence[At], noise_px: float) -> str:
+    """Which rig is the more accurate where; empty for one rig."""
+    rated = [Rated(one.name, one.depth_mm, float(values(one.facts)["depth_std"])) for one in rows]
+    return better(rated, noise_px, modes_of({one.name: (one.preset, one.rig) for one in rows}))
+
+
+def _show(rows: Sequence[At], noise_px: float, says: str, *, markdown: bool) -> None:
+    """Print the table for people, and the sentence."""
+    apart = any(not one.rig.is_rectified for one in rows)
+    claimed = any(one.is_bought for one in rows)
+    heads = (*_HEADS, *(_ROWS if apart else ()), *(_CLAIM if claimed else ()))
+    cells = [
+        (*_cells(one), *(_rows_cells(one) if apart else ()), *(_claim_cells(one) if claimed else ()))
+        for one in rows
+    ]
+    numeric = [False, *[True] * (len(heads) - 1)]
+    if claimed:
+        numeric[-1] = False
     if markdown:
-        typer.echo(f"| {' | '.join(heads)} |\n|---|{'---:|' * 5}{'---:|---|' * (wide == len(_HEADS))}")
-        for row in cells:
-            typer.echo(f"| {' | '.join(row)} |")
+        lines = [heads, ["---:" if right else "---" for right in numeric], *cells]
+        typer.echo("\n".join(f"| {' | '.join(line)} |" for line in lines) + (f"\n\n{says}" if says else ""))
         return
-    from rigsim.present.kit.console import print_table
+    from rigsim.present.kit.console import make_console, paragraph, print_table
 
     title = f"Depth on the left optical axis, for {noise_px:g} px of noise per coordinate"
     broken = tuple(head.replace(", ", "\n") for head in heads)
-    print_table(title, broken, cells, numeric=(False, *[True] * 6, False)[:wide])
+    print_table(title, broken, cells, numeric=numeric)
+    if says:
+        paragraph(make_console(), says)
 
 
 def _claim_facts(one: At) -> list[Fact]:
@@ -136,22 +156,37 @@ def _claimed_mm(claim: Figure, depth_mm: float) -> float:
 
 
 def _cells(one: At) -> tuple[str, ...]:
-    from rigsim.present.kit.format import MISSING, number, plain
+    from rigsim.present.kit.format import plain
 
-    told, claim = values(one.facts), one.claim
-
-    def shown(key: str) -> str:
-        value = told[key]
-        if isinstance(value, str) or math.isnan(value):
-            return MISSING
-        return "infinite" if math.isinf(value) else number(value)
-
-    claimed, says = MISSING, ""
-    if claim is not None:
-        claimed = number(_claimed_mm(claim, one.depth_mm))
-        at_m = (claim.at_mm or 0.0) / 1e3
-        says = f"{claim.value:g} % at {at_m:g} m" + (", by a user's word" if claim.hearsay else "")
-        if not math.isclose(claim.at_mm or 0.0, one.depth_mm):
-            says = f"Z² from {says}"
+    told = values(one.facts)
     keys = ("disparity_px", "depth_std", "depth_near", "depth_far")
-    return (one.name, plain(one.depth_mm / 1e3), *(shown(key) for key in keys), claimed, says)
+    return (one.name, plain(one.depth_mm / 1e3), *(_shown(told[key]) for key in keys))
+
+
+def _rows_cells(one: At) -> tuple[str]:
+    """How far rows are apart at most, on the axis where nobody knows the image."""
+    told = values(one.facts)
+    ends = [abs(float(told[key])) for key in ("row_least_px", "row_most_px")]
+    return (_shown(abs(float(told["row_px"])) if math.isnan(max(ends)) else max(ends)),)
+
+
+def _claim_cells(one: At) -> tuple[str, str]:
+    """The maker's claim at this distance, and what it says itself."""
+    from rigsim.present.kit.format import MISSING, number
+
+    claim = one.claim
+    if claim is None:
+        return _NOT_KNOWN if one.is_bought else MISSING, ""
+    at_m = (claim.at_mm or 0.0) / 1e3
+    says = f"{claim.value:g} % at {at_m:g} m" + (", by a user's word" if claim.hearsay else "")
+    if not math.isclose(claim.at_mm or 0.0, one.depth_mm):
+        says = f"Z² from {says}"
+    return number(_claimed_mm(claim, one.depth_mm)), says
+
+
+def _shown(value: float | str) -> str:
+    from rigsim.present.kit.format import MISSING, number
+
+    if isinstance(value, str) or math.isnan(value):
+        return MISSING
+    return "infinite" if math.isinf(value) else number(value)

@@ -12,6 +12,8 @@ import typer
 from rigsim.cli.calc.beside import At, print_beside, row_of
 from rigsim.cli.calc.limits import limits
 from rigsim.cli.calc.motion import motion
+from rigsim.cli.calc.points import points
+from rigsim.cli.calc.rows import for_people, row_facts
 from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import print_remarks
 from rigsim.cli.kit.facts import Fact, Form, print_facts, values
@@ -182,7 +184,8 @@ def depth(options: RigOptions, words: DepthWords, golden: GoldenWords) -> None:
         return depth_document(values(facts), remarks, [row_of(at[0])])
 
     print_remarks(remarks)
-    print_facts(facts, title="Depth", form=form, document=document, golden=golden)
+    shown = for_people(facts, at[0].rig)
+    print_facts(shown, title="Depth", form=form, document=document, rows=[facts], golden=golden)
 
 
 def _depth_at(
@@ -210,6 +213,7 @@ def _depth_at(
         Fact("z", "Z", depth_mm, "mm", "depth, on the left optical axis", about.errors_mm[2]),
         Fact("focal_px", "focal length", rig.left.fx, "px", "of the left camera"),
         Fact("disparity_px", "disparity", _if(seen.by_both, disparity_px), "px", "u left - u right"),
+        *row_facts(rig, depth_mm / 1e3, sized=options.has_size, seen=seen.by_both),
         *about.facts,
         Fact(
             "depth_bias",
@@ -231,6 +235,7 @@ def _depth_at(
     return facts, remarks
 
 
+app.command()(points)
 app.command()(limits)
 app.command()(motion)
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
+from rigsim.cli.calc.rows import for_people, row_facts
 from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import print_remarks
 from rigsim.cli.kit.facts import Fact, Form, print_facts, values
@@ -109,7 +110,7 @@ def _tell(
 
     print_remarks(remarks)
     print_facts(
-        [*ahead, *(fact for facts in at for fact in facts)],
+        [*ahead, *(fact for facts in at for fact in for_people(facts, rig))],
         title="Limits",
         form=form,
         document=document,
@@ -212,5 +213,6 @@ def _facts_at(rig: StereoRig, depth_mm: float) -> list[Fact]:
         Fact("dead_band_px", "dead band", dead_px, "px", "left columns the right camera does not see"),
         Fact("dead_band", "dead band width", band_mm, "mm", "the same in the scene"),
         Fact("dead_rows_px", "dead rows", dead_rows, "px", "left rows the right camera does not see"),
+        *row_facts(rig, depth_m, sized=True),
         Fact("depth_step", "depth step", step_mm, "mm", "of one pixel of disparity at this Z"),
     ]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from rigsim.cli.calc.motion_words import motion_in_words, motion_sentence
 from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import print_remarks
 from rigsim.cli.kit.facts import Fact, Form, print_facts, values
@@ -51,10 +52,18 @@ class MotionWords:
     ] = "0"
     forward_speed: Annotated[str, typer.Option(metavar="SPEED", help="Straight ahead: 10m/s.")] = "0"
     turn_rate: Annotated[
-        str, typer.Option(metavar="DEG/S", help="How fast the rig turns to the right: 30, 1rad/s.")
+        str,
+        typer.Option(
+            metavar="DEG/S",
+            help="How fast the rig turns to the right, about the middle of its baseline: 30, 1rad/s; negative is"
+            " to the left.",
+        ),
     ] = "0"
     moving: Annotated[
-        str | None, typer.Option(metavar="WHAT", help="What the two speeds are of: rig or object.")
+        str | None,
+        typer.Option(
+            metavar="WHAT", help="What the two speeds are of, to be said with either: rig or object."
+        ),
     ] = None
     noise: Noise = None
     disparity_noise: DisparityNoise = None
@@ -105,14 +114,16 @@ def motion(options: RigOptions, words: MotionWords, golden: GoldenWords) -> None
         *study.motion_remarks(found, depth_mm / 1e3),
     ]
 
+    says = motion_sentence(found, moved, depth_mm, seen.by_both)
+
     def document() -> dict[str, Any]:
         from rigsim.interop.documents.calc import motion_document
 
-        return motion_document(values(facts), moved, remarks)
+        return motion_document(values(facts), moved, remarks, says)
 
     print_remarks(remarks)
-    title = f"Motion: {_says(moved)}"
-    print_facts(facts, title=title, form=form, document=document, golden=golden)
+    title = f"Motion: {motion_in_words(moved)}"
+    print_facts(facts, title=title, form=form, document=document, golden=golden, says=says)
 
 
 def _motion(words: MotionWords) -> Motion:
@@ -152,22 +163,3 @@ def _facts(found: MotionAt, seen: bool, noise_px: float) -> list[Fact]:
             f"time offset whose largest shift is as large as a disparity's noise, {noise_px * 2**0.5:.3g} px",
         ),
     ]
-
-
-def _says(motion: Motion) -> str:
-    """The motion in words."""
-    speeds = [
-        f"{speed:g} m/s {way}"
-        for speed, way in (
-            (motion.speed_m_s, "along the baseline"),
-            (motion.forward_speed_m_s, "straight ahead"),
-        )
-        if speed
-    ]
-    said = [f"the {motion.moving} moves at {' and '.join(speeds)}"] if speeds else []
-    if motion.turn_rate_rad_s:
-        side = "right" if motion.turn_rate_rad_s > 0 else "left"
-        said.append(f"the rig turns {side} at {abs(math.degrees(motion.turn_rate_rad_s)):g} deg/s")
-    when = f"the right picture {abs(motion.time_offset_s) * 1e3:g} ms"
-    when += " earlier" if motion.time_offset_s < 0 else " later"
-    return f"{', '.join(said) or 'nothing moves'}; {when}"

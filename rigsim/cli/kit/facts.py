@@ -61,6 +61,7 @@ def print_facts(
     rows: Sequence[Sequence[Fact]] | None = None,
     golden: GoldenWords | None = None,
     show: Callable[[], None] | None = None,
+    says: str = "",
 ) -> None:
     """Print `facts` on standard output.
 
@@ -75,6 +76,7 @@ def print_facts(
         rows: facts of CSV, a sequence a line; one line of `facts` by default.
         golden: golden results to compare with, as typed; the first word of the title says of which command.
         show: what prints for people and Markdown instead of the facts' own table.
+        says: the answer in a sentence, above the facts' own table.
 
     Raises:
         typer.Exit: a golden number moved.
@@ -84,12 +86,24 @@ def print_facts(
         print_document({**document(), "golden": golden_document(report)})
     else:
         if show is None or form.csv:
+            _print_says(says, form)
             _print(facts, title, form, rows or [facts])
         else:
             show()
         if report is not None:
             print_report(report, stderr=form.csv or form.markdown)
     leave_where_moved(report)
+
+
+def _print_says(says: str, form: Form) -> None:
+    if says and form.markdown:
+        typer.echo(f"{says}\n")
+    elif says and not form.csv:
+        from rigsim.present.kit.console import make_console, paragraph
+
+        console = make_console()
+        paragraph(console, says)
+        console.print()
 
 
 def _print(facts: Sequence[Fact], title: str, form: Form, rows: Sequence[Sequence[Fact]]) -> None:

@@ -42,6 +42,14 @@ class DepthRow(Part):
     """Focal length of the left camera, px."""
     disparity_px: float | None
     """``u_left - u_right``, px."""
+    row_px: float | None
+    """How far below its row in the left image the row in the right one lies, as they are seen, px: on the
+    left optical axis, 0 when rectified; null unless both cameras see the point."""
+    row_least_px: float | None
+    """The least of it over the part of the image that both see at this depth, px; null where there is none,
+    or no image size."""
+    row_most_px: float | None
+    """The greatest, px."""
     claimed_mm: float | None
     """The maker's claim, carried from its own distance to this one by the square of the distance, mm; null
     where none is published of a preset."""
@@ -64,6 +72,14 @@ class CalcDepthDocument(Part):
     """Focal length of the left camera, px."""
     disparity_px: float | None
     """``u_left - u_right``, px; null unless both cameras see the point."""
+    row_px: float | None
+    """How far below its row in the left image the row in the right one lies, as they are seen, px: on the
+    left optical axis, 0 when rectified; null unless both cameras see the point."""
+    row_least_px: float | None
+    """The least of it over the part of the image that both see at this depth, px; null where there is none,
+    or no image size."""
+    row_most_px: float | None
+    """The greatest, px."""
     world_per_pixel: float | None
     """Width of a pixel at this depth, mm."""
     depth_std: float | None
@@ -76,6 +92,8 @@ class CalcDepthDocument(Part):
     """Mean error of many noisy measurements, mm; null unless both cameras see the point."""
     rows: list[DepthRow]
     """Every rig at every distance, in the order given."""
+    says: str
+    """Which rig is the more accurate at which distance, in a sentence; empty for one rig."""
     remarks: list[RemarkPart]
     """What is odd: who does not see the point and why, too much noise, an unlikely lens, a camera's mode."""
     golden: Golden | None
@@ -130,7 +148,9 @@ class MotionPart(Part):
     forward_speed_m_s: float
     """Speed straight ahead, m/s."""
     turn_rate_deg_s: float
-    """How fast the rig turns to the right, deg/s."""
+    """How fast the rig turns to the right, deg/s; negative is to the left."""
+    pivot: Literal["middle of the baseline"]
+    """What it turns about."""
     moving: Literal["rig", "object"]
     """What the two speeds are of."""
 
@@ -160,6 +180,8 @@ class CalcMotionDocument(Part):
     """Time offset with which the largest shift along the rows is a disparity's noise, ms; null for any."""
     depth_std: float | None
     """Standard deviation of the depth for this noise, mm, beside it."""
+    says: str
+    """The answer in a sentence."""
     motion: MotionPart
     remarks: list[RemarkPart]
     """What is odd: who does not see the point, rows that a matcher would miss, no depth."""
@@ -186,6 +208,14 @@ class LimitsAt(Part):
     """Their width in the scene, mm."""
     dead_rows_px: float
     """Left image rows in which the right camera sees nothing at this Z, px."""
+    row_px: float | None
+    """How far below its row in the left image the row in the right one lies, as they are seen, px: on the
+    left optical axis, 0 when rectified; null where a camera does not show it."""
+    row_least_px: float | None
+    """The least of it over the part of the image that both see at this depth, px; null where there is none,
+    or no image size."""
+    row_most_px: float | None
+    """The greatest, px."""
     depth_step: float | None
     """Depth of one pixel of disparity at this Z, mm; null where nothing is shared."""
     unit: Literal["mm"]
@@ -230,6 +260,12 @@ class CalcLimitsDocument(Part):
     """As in `at`, mm."""
     dead_rows_px: float | None
     """As in `at`, px."""
+    row_px: float | None
+    """As in `at`, px."""
+    row_least_px: float | None
+    """As in `at`, px."""
+    row_most_px: float | None
+    """As in `at`, px."""
     depth_step: float | None
     """As in `at`, mm."""
     at: list[LimitsAt]
@@ -254,17 +290,19 @@ def point_document(values: Values, uv_origin: str, remarks: Iterable[Remark]) ->
     return CalcPointDocument(**values, **rest).model_dump()
 
 
-def depth_document(values: Values, remarks: Iterable[Remark], rows: Sequence[Values]) -> dict[str, Any]:
+def depth_document(
+    values: Values, remarks: Iterable[Remark], rows: Sequence[Values], says: str = ""
+) -> dict[str, Any]:
     """What ``rigsim calc depth --json`` prints.
 
     Args:
         values: the numbers of the one rig at the one distance; None each where there are several.
         remarks: what is odd.
         rows: every rig at every distance.
+        says: which rig is the more accurate where.
     """
-    return CalcDepthDocument(
-        **values, rows=[DepthRow(**row) for row in rows], remarks=_told(remarks), golden=None, unit="mm"
-    ).model_dump()
+    rest: Values = {"says": says, "remarks": _told(remarks), "golden": None, "unit": "mm"}
+    return CalcDepthDocument(**values, rows=[DepthRow(**row) for row in rows], **rest).model_dump()
 
 
 def limits_document(values: Values, at: Sequence[Values], remarks: Iterable[Remark]) -> dict[str, Any]:
@@ -287,17 +325,18 @@ def limits_document(values: Values, at: Sequence[Values], remarks: Iterable[Rema
     ).model_dump()
 
 
-def motion_document(values: Values, motion: Motion, remarks: Iterable[Remark]) -> dict[str, Any]:
+def motion_document(values: Values, motion: Motion, remarks: Iterable[Remark], says: str) -> dict[str, Any]:
     """What ``rigsim calc motion --json`` prints."""
     part: dict[str, Any] = {
         "time_offset_ms": clean(motion.time_offset_s * 1e3),
         "speed_m_s": motion.speed_m_s,
         "forward_speed_m_s": motion.forward_speed_m_s,
         "turn_rate_deg_s": clean(math.degrees(motion.turn_rate_rad_s)),
+        "pivot": "middle of the baseline",
         "moving": motion.moving,
     }
     return CalcMotionDocument(
-        **values, motion=MotionPart(**part), remarks=_told(remarks), golden=None, unit="mm"
+        **values, says=says, motion=MotionPart(**part), remarks=_told(remarks), golden=None, unit="mm"
     ).model_dump()
 
 

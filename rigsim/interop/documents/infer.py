@@ -70,7 +70,7 @@ class Distance(Part):
 
 
 class Carried(Part):
-    """One distance of the rig that the noise is carried over to."""
+    """One distance of the rig that the noise is carried over to, which may be the same."""
 
     distance_mm: float
     """The distance, mm."""
@@ -85,7 +85,7 @@ class Carried(Part):
 
 
 class Transfer(Part):
-    """The same noise on another rig."""
+    """The same noise on another rig, or at other distances."""
 
     rig: Rig
     rows: list[Carried]
@@ -119,7 +119,7 @@ class InferDocument(Part):
     rows: list[Distance]
     """One for each distance."""
     transfer: Transfer | None
-    """Null without --to."""
+    """Null without --to and --at."""
     remarks: list[RemarkPart]
     """What is odd about it; also on standard error."""
 

@@ -22,6 +22,7 @@ from rigsim.interop.documents.listings import (
     ScenesDocument,
 )
 from rigsim.interop.documents.measure.models import MeasureDocument
+from rigsim.interop.documents.points import CalcPointsDocument
 from rigsim.interop.documents.render import RenderDocument
 from rigsim.interop.documents.sweep import SweepDocument
 from rigsim.interop.documents.tolerance import ToleranceDocument
@@ -37,6 +38,7 @@ DOCUMENTS: dict[str, tuple[str, type[Part]]] = {
     "verify": ("rigsim verify --json", VerifyDocument),
     "compare": ("rigsim compare --json", CompareDocument),
     "calc-point": ("rigsim calc point --json", CalcPointDocument),
+    "calc-points": ("rigsim calc points --json", CalcPointsDocument),
     "calc-depth": ("rigsim calc depth --json", CalcDepthDocument),
     "calc-limits": ("rigsim calc limits --json", CalcLimitsDocument),
     "calc-motion": ("rigsim calc motion --json", CalcMotionDocument),

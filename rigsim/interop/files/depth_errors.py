@@ -16,12 +16,17 @@ from rigsim.study.infer.run import FEWEST, ErrorsByDistance
 
 _NEEDED = ("distance_mm", "depth_std_mm")
 _OPTIONAL = ("depth_bias_mm", "n")
+_UNITS_MM = {"_mm": 1.0, "_cm": 10.0, "_m": 1e3}
+_OTHER_NAMES = {"z": "distance"}
+_SHORTEST_MM = 100.0
+"""A shorter distance without a unit may be in metres."""
 
 
 def read_depth_errors(path: Path) -> ErrorsByDistance:
     """The depth errors in the CSV file `path`: ``distance_mm, depth_std_mm[, depth_bias_mm][, n]``.
 
-    Other columns are ignored.
+    A name's ending says the unit: ``_mm``, ``_cm`` or ``_m``. The distance may be called z, and be in mm
+    without an ending. Other columns are ignored.
 
     Raises:
         OutputError: the file cannot be read.
@@ -39,10 +44,11 @@ def read_depth_errors(path: Path) -> ErrorsByDistance:
     except csv.Error as error:
         raise InvalidRange(f"{path}: is not valid CSV: {error}") from None
     extent.DISTANCES.check(max(1, len(rows)))
-    head = [name.strip() for name in rows[0][1]] if rows else []
+    written = [name.strip() for name in rows[0][1]] if rows else []
+    head, scales = _known(written, str(path))
     for name in _NEEDED:
         if name not in head:
-            found = clipped(", ".join(head)) or "nothing"
+            found = clipped(", ".join(written)) or "nothing"
             raise InvalidRange(
                 f"{path}: column {name} is missing (found {found}); the first line must name"
                 f" {', '.join(_NEEDED)}, and may name {', '.join(_OPTIONAL)}"
@@ -54,7 +60,9 @@ def read_depth_errors(path: Path) -> ErrorsByDistance:
         for name, values in columns.items():
             place = head.index(name)
             cell = row[place].strip() if place < len(row) else ""
-            values.append(_number(cell, name, f"{path}, line {line}"))
+            number = _number(cell, written[place], f"{path}, line {line}")
+            _check(number, name, written[place], cell, f"{path}, line {line}")
+            values.append(number * scales.get(name, 1.0))
     count = len(columns["distance_mm"])
     if count < FEWEST:
         raise InvalidRange(
@@ -70,6 +78,30 @@ def read_depth_errors(path: Path) -> ErrorsByDistance:
     )
 
 
+def _known(written: list[str], where: str) -> tuple[list[str], dict[str, float]]:
+    """The columns under the names that are known, and the unit, mm, of those that are lengths.
+
+    Raises:
+        InvalidRange: two columns say the same.
+    """
+    head: list[str] = []
+    scales: dict[str, float] = {}
+    for name in written:
+        base, ending, unit = name.lower().rpartition("_")
+        ending += unit
+        if ending not in _UNITS_MM:
+            base, ending = name.lower(), "_mm" if name.lower() in ("distance", *_OTHER_NAMES) else ""
+        known = f"{_OTHER_NAMES.get(base, base)}_mm" if ending else base
+        if known in (*_NEEDED, *_OPTIONAL):
+            if known in head:
+                both = f"{written[head.index(known)]} and {name}"
+                raise InvalidRange(f"{where}: columns {both} say the same; leave one")
+            if ending:
+                scales[known] = _UNITS_MM[ending]
+        head.append(known)
+    return head, scales
+
+
 def _number(cell: str, name: str, where: str) -> float:
     try:
         value = float(cell)
@@ -77,8 +109,16 @@ def _number(cell: str, name: str, where: str) -> float:
         value = math.nan
     if not math.isfinite(value):
         raise InvalidRange(f"{where}: {name} {cell or 'empty'}: must be a number")
+    return value
+
+
+def _check(value: float, name: str, written: str, cell: str, where: str) -> None:
+    """Refuse a number that the column called `name` cannot hold."""
     if name in _NEEDED and value <= 0:
-        raise InvalidRange(f"{where}: {name} {cell}: must be > 0")
+        raise InvalidRange(f"{where}: {written} {cell}: must be > 0")
     if name == "n" and not (value >= 2 and value.is_integer()):
         raise InvalidRange(f"{where}: n {cell}: must be a whole number >= 2")
-    return value
+    if written.lower() in ("distance", *_OTHER_NAMES) and value < _SHORTEST_MM:
+        raise InvalidRange(
+            f"{where}: {written} {cell}: metres or millimetres? Call the column {written}_m or {written}_mm"
+        )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from rigsim.present.infer.words import sentence
+from rigsim.present.infer.words import sentence, whose
 from rigsim.present.kit.console import make_console, paragraph, print_table
 from rigsim.present.kit.format import length, lengths_within, number, with_interval
 from rigsim.study.infer.bias import BiasPart
@@ -15,14 +15,14 @@ from rigsim.study.infer.run import Inference, Transfer
 def print_inference(
     inference: Inference, carried: Transfer | None = None, folder: Path | None = None
 ) -> None:
-    """Print what was inferred, and what it does to another rig, on standard output."""
+    """Print what was inferred, and what it does to another rig or at other distances, on standard output."""
     console = make_console()
     paragraph(console, sentence(inference))
     console.print()
     _print_inferred(inference)
     _print_distances(inference)
     if carried is not None:
-        _print_carried(carried)
+        _print_carried(carried, whose(inference, carried))
     if folder is not None:
         console.print(f"Files: {folder}", soft_wrap=True)
 
@@ -72,13 +72,13 @@ def _print_distances(inference: Inference) -> None:
     )
 
 
-def _print_carried(carried: Transfer) -> None:
+def _print_carried(carried: Transfer, whose_rig: str) -> None:
     lens = carried.rig.left
     numbers = zip(
         carried.depths_m, carried.stds_m, carried.lows_m, carried.highs_m, carried.trusted, strict=True
     )
     print_table(
-        f"Same noise, other rig: baseline {length(carried.rig.baseline_m)}, focal {number(lens.fx, 4)} px",
+        f"Same noise, {whose_rig}: baseline {length(carried.rig.baseline_m)}, focal {number(lens.fx, 4)} px",
         ("distance", "depth std", "from", "to", "note"),
         [
             (length(depth), *lengths_within(std, low, high), "" if trusted else "disparity under 4 sigma")

@@ -113,7 +113,8 @@ def _draw_carried(axes: Axes, inference: Inference, carried: Transfer) -> None:
                 label=label or None,
             )
     lens = carried.rig.left
-    axes.set_title(f"Another rig: {plain(carried.rig.baseline_m * 1e3)} mm, {plain(lens.fx, 4)} px")
+    rig = "The same rig" if carried.rig == inference.rig else "Another rig"
+    axes.set_title(f"{rig}: {plain(carried.rig.baseline_m * 1e3)} mm, {plain(lens.fx, 4)} px")
     _finish(axes, fine, np.concatenate(drawn), 1)
 
 

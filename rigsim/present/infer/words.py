@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rigsim.present.kit.format import plain, with_interval
-from rigsim.study.infer.run import Inference
+from rigsim.study.infer.run import Inference, Transfer
 
 
 def sentence(inference: Inference) -> str:
@@ -30,6 +30,11 @@ def sentence(inference: Inference) -> str:
         f" ({_percent(fit.misfit[fit.best])} misfit against {_percent(fit.misfit['quadratic'])});"
         f" {grows}. The disparity noise below is an average, not a law."
     )
+
+
+def whose(inference: Inference, carried: Transfer) -> str:
+    """Which rig the noise is carried over to."""
+    return "same rig" if carried.rig == inference.rig else "other rig"
 
 
 def _percent(share: float) -> str:

@@ -137,7 +137,8 @@ def _squares(finding: Finding) -> str:
 def _squares_off(finding: Finding, _: StereoRig) -> str:
     off = finding.numbers["off_pct"]
     return (
-        f"{_squares(finding)}: distances are {plain(abs(off), 2)} % too {'large' if off > 0 else 'small'}. The "
+        f"{_squares(finding)}: distances are {plain(abs(off), 2)} % too "
+        f"{'large' if off > 0 else 'small'}. The "
         "baseline or the focal length is wrong by as much, or a picture is shifted along its rows by some "
         f"{finding.numbers['shift_px']:.2g} px."
     )

@@ -245,7 +245,7 @@ CAMERAS: tuple[CommercialCamera, ...] = (
             Figure("hfov_deg", 92.8, _ZED_FOV, "rectified, one user's camera, mode not said"),
             Figure("hfov_deg", 110, _ZED_FOV, "'max.', raw picture before rectification"),
             Figure("vfov_deg", 70, _ZED_FOV, "'max.', raw picture before rectification"),
-            *_size(1280, 720, _ZED_MODE),
+            *_size(1280, 720, _ZED_MODE, "HD720"),
             Figure("min_depth_mm", 300, _ZED_RANGE, "2.1 mm lens; 500 with the 4 mm lens"),
             Figure("min_depth_mm", 200, _ZED_CLEARPATH),
         ),

@@ -13,11 +13,11 @@ from rigsim.rig.motion import Motion
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.calc.plane import shared_plane
 from rigsim.theory.triangulation import triangulate
 
 ODD_ROWS_PX = 1.0
 """A matcher that searches along rows loses points that lie further off theirs."""
-_GRID = (65, 49)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,7 +65,9 @@ def motion_at(rig: StereoRig, motion: Motion, depth_m: float, noise: PixelNoise,
     """What `motion` does at a distance on the left optical axis and, where images are `sized`, around it."""
     there = shift_of(rig, motion, np.array([[0.0, 0.0, depth_m]]))
     nothing = np.full(1, np.nan)
-    whole = shift_of(rig, motion, _plane(rig, depth_m)) if sized else LateShift(nothing, nothing, nothing)
+    whole = (
+        shift_of(rig, motion, shared_plane(rig, depth_m)) if sized else LateShift(nothing, nothing, nothing)
+    )
     along_px, most_along_px = float(there.along_px[0]), _largest(whole.along_px)
     shift_px = abs(along_px if math.isnan(most_along_px) else most_along_px)
     return MotionAt(
@@ -100,16 +102,3 @@ def _largest(values: Array) -> float:
     """The value that is furthest from 0."""
     known = values[np.isfinite(values)]
     return float(known[np.abs(known).argmax()]) if known.size else math.nan
-
-
-def _plane(rig: StereoRig, depth_m: float) -> Array:
-    """Points (N, 3) m at a depth, even over the left image to its very edges, that both cameras see."""
-    lens = rig.left
-    u, v = (
-        np.linspace(-0.5, side - 0.5, count)
-        for side, count in zip((lens.width, lens.height), _GRID, strict=True)
-    )
-    uv = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
-    points = np.column_stack([lens.normalize(uv) * depth_m, np.full(len(uv), depth_m)])
-    points = points[np.isfinite(points).all(axis=1)]
-    return np.asarray(points[rig.right.contains(rig.project(points)[1])])

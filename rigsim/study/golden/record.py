@@ -29,6 +29,7 @@ _TELLING = {
     "sweep": "by_depth",
     "design": "recommended",
     "tolerance": "yield_build_alone",
+    "calc points": "n_inconsistent",
     "calc point": "uv_origin",
     "calc limits": "blind_zone",
     "calc depth": "depth_bias",
