@@ -12,7 +12,7 @@ from rigsim.api.kit.golden import print_comparison
 from rigsim.api.result import Result
 from rigsim.api.rigs import RigLike, read_rig
 from rigsim.rig import given
-from rigsim.rig.noise import PixelNoise, as_noise
+from rigsim.rig.noise import PixelNoise, as_noise, coordinate_noise_px
 from rigsim.rig.remark import Remark
 
 if TYPE_CHECKING:
@@ -91,7 +91,11 @@ class TriangulatedPairs(Result):
 
 
 def triangulate_points(
-    rig: RigLike, pairs: object, *, noise_px: float | PixelNoise = 0.25
+    rig: RigLike,
+    pairs: object,
+    *,
+    noise_px: float | PixelNoise | None = None,
+    disparity_noise_px: float | None = None,
 ) -> TriangulatedPairs:
     """Triangulate a table of matched pixels, with the uncertainty of each point, and check that they match.
 
@@ -103,7 +107,8 @@ def triangulate_points(
         rig: The rig that saw them: a preset's name, a calibration's path or text, or a rig.
         pairs: The pixels as they were seen, lens distortion included: a CSV file's path; a table, pandas or
             columns by name, with u_left, v_left, u_right and v_right; or numbers (N, 4) in that order.
-        noise_px: Standard deviation of one pixel coordinate, px.
+        noise_px: Standard deviation of one pixel coordinate, px; 0.25 by default.
+        disparity_noise_px: Standard deviation of a disparity, px, instead: sqrt(2) times as much.
 
     Raises:
         InvalidRange: The pairs cannot be read: the message names line and column.
@@ -119,7 +124,8 @@ def triangulate_points(
     from rigsim.interop.files.pixels import pairs_from, read_pairs
     from rigsim.study.calc.points import pair_points, pair_remarks
 
-    noise, read = as_noise(noise_px), read_rig(rig)
+    said = coordinate_noise_px(noise_px, disparity_noise_px)
+    noise, read = as_noise(0.25 if said is None else said), read_rig(rig)
     is_path = isinstance(pairs, str | os.PathLike)
     table = read_pairs(given.path(pairs, "pairs")) if is_path else pairs_from(pairs)
     found = pair_points(read, table.uv, noise)

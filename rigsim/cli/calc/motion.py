@@ -55,8 +55,8 @@ class MotionWords:
         str,
         typer.Option(
             metavar="DEG/S",
-            help="How fast the rig turns to the right, about the middle of its baseline: 30, 1rad/s; negative is"
-            " to the left.",
+            help="How fast the rig turns to the right, about the middle of its baseline: 30, 1rad/s; "
+            "negative is to the left.",
         ),
     ] = "0"
     moving: Annotated[

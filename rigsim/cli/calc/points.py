@@ -8,11 +8,21 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import print_document, print_remarks
 from rigsim.cli.kit.facts import Form
 from rigsim.cli.kit.golden import GoldenWords, held, leave_where_moved, print_report
-from rigsim.cli.kit.options import Csv, Json, Markdown, Noise, Principal, single_rig, takes, takes_rig
+from rigsim.cli.kit.options import (
+    Csv,
+    DisparityNoise,
+    Json,
+    Markdown,
+    Noise,
+    Principal,
+    pixel_noise,
+    single_rig,
+    takes,
+    takes_rig,
+)
 from rigsim.cli.kit.rigs import RigOptions
 from rigsim.errors import OutputError
 
@@ -35,7 +45,8 @@ class PointsWords:
     """The options of `rigsim calc points`, as typed."""
 
     principal: Principal = None
-    noise: Noise = "0.25"
+    noise: Noise = None
+    disparity_noise: DisparityNoise = None
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write the table with its points, as CSV.")
     ] = None
@@ -75,12 +86,11 @@ def points(options: RigOptions, pairs: Pairs, words: PointsWords, golden: Golden
 def _found(options: RigOptions, rig: StereoRig, pairs: Path, words: PointsWords) -> TriangulatedPairs:
     from rigsim.api.triangulate_points import TriangulatedPairs
     from rigsim.interop.files.pixels import read_pairs
-    from rigsim.rig.noise import PixelNoise
     from rigsim.study.calc.points import pair_points, pair_remarks
     from rigsim.study.calc.sight import rig_remarks
 
     table = read_pairs(pairs)
-    found = pair_points(rig, table.uv, PixelNoise(quantity.value(words.noise, quantity.NOISE)))
+    found = pair_points(rig, table.uv, pixel_noise(words.noise, words.disparity_noise))
     sized = options.has_size
     from_axis = not (sized or words.principal)
     remarks = [
