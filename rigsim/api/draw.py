@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from rigsim.api.rigs import RigLike, read_rig
 from rigsim.rig.noise import as_noise, coordinate_noise_px
+from rigsim.rig.quantity import NOISE_PX
 
 if TYPE_CHECKING:
     from rigsim.present.kit.types import Figure
@@ -45,5 +46,5 @@ def rig_figure(
 
     points = np.asarray(points_left, dtype=np.float64).reshape(-1, 3)
     said = coordinate_noise_px(noise_px, disparity_noise_px)
-    noise = as_noise(0.25 if said is None else said)
+    noise = as_noise(NOISE_PX if said is None else said)
     return topdown_figure(read_rig(rig), points, noise=noise, rays=len(points) > 0, title=title)

@@ -15,6 +15,7 @@ from rigsim.api.rigs import RigLike, read_rig
 from rigsim.errors import InvalidRange
 from rigsim.rig import given
 from rigsim.rig.noise import coordinate_noise_px
+from rigsim.rig.quantity import NOISE_PX
 from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 
@@ -204,7 +205,7 @@ def _run(options: ToleranceOptions) -> ToleranceResult:
     session = Recalibration(
         options.recalibration_features,
         options.recalibration_pictures,
-        0.25 if noise_px is None else given.real(noise_px, "noise_px"),
+        NOISE_PX if noise_px is None else given.real(noise_px, "noise_px"),
         given.real(options.length_std_mm, "length_std_mm"),
     )
     return run_tolerance(

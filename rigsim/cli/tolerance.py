@@ -85,7 +85,7 @@ class ToleranceWords:
         typer.Option(
             metavar="PX",
             help="Noise per pixel coordinate, standard deviation: when rigs measure, and in a calibration"
-            " picture.  [default: 0.25]",
+            f" picture.  [default: {quantity.NOISE_PX}]",
         ),
     ] = None
     disparity_noise: DisparityNoise = None

@@ -70,3 +70,6 @@ DISPARITY = QuantityKind("disparity", "px", PIXELS)
 TIME_OFFSET = QuantityKind("time offset", "ms", TIMES)
 FORWARD_SPEED = QuantityKind("forward speed", "m/s", SPEEDS)
 TURN_RATE = QuantityKind("turn rate", "deg/s", TURN_RATES)
+
+NOISE_PX = 0.25
+"""Noise of a pixel coordinate where nobody says it."""

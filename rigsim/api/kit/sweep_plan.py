@@ -15,6 +15,7 @@ from rigsim.errors import InvalidRange
 from rigsim.rig import given
 from rigsim.rig.noise import PixelNoise, as_noise, coordinate_noises_px
 from rigsim.rig.perturbation import Perturbation
+from rigsim.rig.quantity import NOISE_PX
 from rigsim.rig.remark import Remark
 from rigsim.rig.sensor import Sensor
 from rigsim.rig.stereo import StereoRig
@@ -23,9 +24,6 @@ from rigsim.study.scene.axes.axis import Axis
 from rigsim.study.scene.plan import Plan, RigGrid, Triangulator
 
 Rigs = RigGrid | RigLike | Iterable[StereoRig]
-
-NOISE_PX = 0.25
-"""Noise of a pixel coordinate where none is said."""
 
 
 @dataclass(frozen=True, slots=True)

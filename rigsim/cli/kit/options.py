@@ -60,13 +60,11 @@ Principal = Annotated[
         " the optical axis) when no image size is known.",
     ),
 ]
-NOISE_PX = 0.25
-"""Standard deviation of a pixel coordinate where nothing says it."""
 Noise = Annotated[
     str | None,
     typer.Option(
         metavar="PX",
-        help=f"Standard deviation of every pixel coordinate in both images.  [default: {NOISE_PX}]",
+        help=f"Standard deviation of every pixel coordinate in both images.  [default: {quantity.NOISE_PX}]",
     ),
 ]
 DisparityNoise = Annotated[
@@ -81,7 +79,7 @@ Markdown = Annotated[bool, typer.Option("--markdown", help="Print a Markdown tab
 
 
 def pixel_noise(noise: str | None, disparity_noise: str | None) -> PixelNoise:
-    """The noise that ``--noise`` or ``--disparity-noise`` says, as typed; `NOISE_PX` where neither does.
+    """The noise that ``--noise`` or ``--disparity-noise`` says, as typed; 0.25 px where neither does.
 
     Raises:
         InvalidRange: both are typed, or one cannot be read.
@@ -92,7 +90,7 @@ def pixel_noise(noise: str | None, disparity_noise: str | None) -> PixelNoise:
         None if noise is None else quantity.value(noise, quantity.NOISE),
         None if disparity_noise is None else quantity.value(disparity_noise, quantity.DISPARITY_NOISE),
     )
-    return PixelNoise(NOISE_PX if px is None else px)
+    return PixelNoise(quantity.NOISE_PX if px is None else px)
 
 
 def takes(words: type[Any]) -> Callable[[Callable[..., _R]], Callable[..., _R]]:

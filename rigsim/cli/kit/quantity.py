@@ -25,6 +25,7 @@ from rigsim.rig.quantity import FORWARD_SPEED as FORWARD_SPEED
 from rigsim.rig.quantity import HFOV as HFOV
 from rigsim.rig.quantity import LENGTHS, PIXELS
 from rigsim.rig.quantity import NOISE as NOISE
+from rigsim.rig.quantity import NOISE_PX as NOISE_PX
 from rigsim.rig.quantity import PIXEL_PITCH as PIXEL_PITCH
 from rigsim.rig.quantity import SENSOR_WIDTH as SENSOR_WIDTH
 from rigsim.rig.quantity import SPEEDS as SPEEDS
