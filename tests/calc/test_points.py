@@ -279,6 +279,17 @@ def test_what_is_odd_is_counted(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert document["uv_origin"] == "optical axis"
 
 
+def test_what_the_lens_does_not_show_has_no_point() -> None:
+    bent = rigsim.Intrinsics(1280, 720, 900.0, 900.0, 639.5, 359.5, rigsim.BrownConrady(-0.6))
+    rig = rigsim.StereoRig(bent, bent, rigsim.Pose(t=[-0.12, 0.0, 0.0]))
+    # at k1 = -.6 nothing lies further than .497 from the axis: 447 px
+    found = rigsim.triangulate_points(rig, [[1200, 359.5, 1190, 359.5], [700, 400, 640, 400]])
+    assert found.table.why.tolist() == ["lens", ""]
+    assert found.table.consistent.tolist() == [False, True]
+    assert np.isnan(found.table.off_px[0])
+    assert "lens" in {remark.code for remark in found.remarks}
+
+
 def test_golden(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, golden = tmp_path / "pairs.csv", str(tmp_path / "golden")
     path.write_text("700,400,646,400\n700,410,646,410\n")
