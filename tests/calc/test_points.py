@@ -158,16 +158,22 @@ def test_correlated_noise_is_judged_by_what_it_leaves() -> None:
 def test_wrong_matches_are_found_and_told() -> None:
     rng = np.random.default_rng(5)
     told = []
-    for seed in range(30):
+    for seed in range(60):
         _, uv = seen(PLAIN, FEWEST, seed)
         uv += rng.normal(0, 0.25, uv.shape)
-        uv[: round(0.05 * FEWEST), 3] += rng.uniform(20, 60, round(0.05 * FEWEST))
+        wrong = rng.random(FEWEST) < 0.05
+        uv[wrong, 3] += rng.uniform(20, 60, wrong.sum())
         found = rigsim.triangulate_points(PLAIN, uv)
-        assert not found.table.consistent[: round(0.05 * FEWEST)].any()
+        assert not found.table.consistent[wrong].any()
         told.append(found.verdict)
-    assert told.count("flagged") >= 27
+    # three are enough: of 110 pairs at 5 % there are as many in 92 of 100 sets
+    assert 50 <= told.count("flagged") <= 59
+    assert set(told) == {"flagged", "agrees"}
+    uv[:6, 3] += 40
+    found = rigsim.triangulate_points(PLAIN, uv)
     text = next(remark.text for remark in found.remarks if remark.code == "inconsistent")
-    assert text.startswith("6 of 110 pairs (5.5 %) are inconsistent, 0.1 % would be by chance")
+    assert text.startswith(f"{found.found.n_inconsistent} of 110 pairs (")
+    assert "%) are inconsistent, 0.1 % would be by chance" in text
     few = rigsim.triangulate_points(PLAIN, uv[-10:])
     assert few.verdict == "untold"
     assert few.remarks == ()
