@@ -11,7 +11,7 @@ import typer
 from rigsim.cli.calc.motion_words import motion_in_words, motion_sentence
 from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import print_remarks
-from rigsim.cli.kit.facts import Fact, Form, print_facts, values
+from rigsim.cli.kit.facts import Fact, Form, print_facts, show_facts, values
 from rigsim.cli.kit.golden import GoldenWords
 from rigsim.cli.kit.options import (
     Csv,
@@ -123,7 +123,14 @@ def motion(options: RigOptions, words: MotionWords, golden: GoldenWords) -> None
 
     print_remarks(remarks)
     title = f"Motion: {motion_in_words(moved)}"
-    print_facts(facts, title=title, form=form, document=document, golden=golden, says=says)
+    print_facts(
+        facts,
+        title=title,
+        form=form,
+        document=document,
+        golden=golden,
+        show=lambda: show_facts(facts, title, form, says),
+    )
 
 
 def _motion(words: MotionWords) -> Motion:

@@ -61,7 +61,6 @@ def print_facts(
     rows: Sequence[Sequence[Fact]] | None = None,
     golden: GoldenWords | None = None,
     show: Callable[[], None] | None = None,
-    says: str = "",
 ) -> None:
     """Print `facts` on standard output.
 
@@ -76,7 +75,6 @@ def print_facts(
         rows: facts of CSV, a sequence a line; one line of `facts` by default.
         golden: golden results to compare with, as typed; the first word of the title says of which command.
         show: what prints for people and Markdown instead of the facts' own table.
-        says: the answer in a sentence, above the facts' own table.
 
     Raises:
         typer.Exit: a golden number moved.
@@ -85,40 +83,34 @@ def print_facts(
     if form.json:
         print_document({**document(), "golden": golden_document(report)})
     else:
-        if show is None or form.csv:
-            _print_says(says, form)
-            _print(facts, title, form, rows or [facts])
-        else:
+        if form.csv:
+            typer.echo(_csv(rows or [facts]), nl=False)
+        elif show is not None:
             show()
+        else:
+            show_facts(facts, title, form)
         if report is not None:
             print_report(report, stderr=form.csv or form.markdown)
     leave_where_moved(report)
 
 
-def _print_says(says: str, form: Form) -> None:
-    if says and form.markdown:
-        typer.echo(f"{says}\n")
-    elif says and not form.csv:
-        from rigsim.present.kit.console import make_console, paragraph
-
-        console = make_console()
-        paragraph(console, says)
-        console.print()
-
-
-def _print(facts: Sequence[Fact], title: str, form: Form, rows: Sequence[Sequence[Fact]]) -> None:
-    if form.csv:
-        typer.echo(_csv(rows), nl=False)
-    elif form.markdown:
+def show_facts(facts: Sequence[Fact], title: str, form: Form, says: str = "") -> None:
+    """Print `facts` for people or as Markdown, under the answer in a sentence where there is one."""
+    if form.markdown:
+        if says:
+            typer.echo(f"{says}\n")
         typer.echo("| quantity | value | unit | meaning |\n|---|---:|---|---|")
         for fact in facts:
             typer.echo(f"| {fact.name} | {_shown(fact)} | {fact.unit} | {fact.meaning} |")
-    else:
-        from rigsim.present.kit.console import print_table
+        return
+    from rigsim.present.kit.console import make_console, paragraph, print_table
 
-        shown = [(fact.name, _shown(fact), fact.unit, fact.meaning) for fact in facts]
-        numeric = (False, True, False, False)
-        print_table(title, ("quantity", "value", "unit", "meaning"), shown, numeric=numeric)
+    if says:
+        console = make_console()
+        paragraph(console, says)
+        console.print()
+    shown = [(fact.name, _shown(fact), fact.unit, fact.meaning) for fact in facts]
+    print_table(title, ("quantity", "value", "unit", "meaning"), shown, numeric=(False, True, False, False))
 
 
 def _csv(rows: Sequence[Sequence[Fact]]) -> str:

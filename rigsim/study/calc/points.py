@@ -99,8 +99,8 @@ def pair_points(rig: StereoRig, uv: Array, noise: PixelNoise) -> PairPoints:
     stds[known] = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
     off_px = np.abs(gap.off_px)
     why = np.full(len(uv), "", dtype="<U8")
-    parted = gap.disparity_px < -(LIMIT * noise.disparity_std_px + _ROUNDING_PX)
-    why[~known] = np.where(parted, BEHIND, INFINITY)[~known]
+    parallel = np.abs(gap.disparity_px) <= LIMIT * noise.disparity_std_px + _ROUNDING_PX
+    why[~known] = np.where(parallel, INFINITY, BEHIND)[~known]
     why[~known & ~np.isfinite(gap.disparity_px)] = LENS
     with np.errstate(invalid="ignore"):
         close = off_px <= LIMIT * gap.off_std_px + _ROUNDING_PX
@@ -140,8 +140,8 @@ def pair_remarks(found: PairPoints, *, sized: bool) -> Iterator[Remark]:
 
 def _missing(found: PairPoints) -> Iterator[Remark]:
     reasons = {
-        BEHIND: "rays that part by more than the noise explains, so that no point in front of both cameras "
-        "has them: wrong matches, left and right swapped, or a calibration error",
+        BEHIND: "rays that meet nowhere in front of both cameras, by more than the noise explains: wrong "
+        "matches, left and right swapped, or a calibration error",
         INFINITY: "rays that are parallel within the noise: too far away to have a depth",
         LENS: "a pixel where the lens shows nothing",
     }
@@ -163,7 +163,8 @@ def _flagged(found: PairPoints) -> str:
 
 
 def _pairs(number: int, count: int) -> str:
-    return f"{number} of {count} pairs ({100 * number / count:.2g} %)"
+    share = 100 * number / count
+    return f"{number} of {count} pairs ({share:.{4 if share > 99 else 2}g} %)"
 
 
 def _chance(number: int, count: int) -> float:
