@@ -7,6 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rigsim.present.kit import format as fmt
+from rigsim.present.sweep.phrases import mm, say
+from rigsim.study.design.words import size
 
 
 @pytest.mark.parametrize(
@@ -137,3 +139,12 @@ def test_what_is_shown_is_off_by_little_of_the_error(value: float, error: float)
 )
 def test_a_sampled_share_has_the_digits_that_sampling_leaves(n_good: int, n: int, text: str) -> None:
     assert fmt.sampled_percent(n_good, n) == text
+
+
+def test_sentences_have_no_powers_of_ten() -> None:
+    # each was 1e+03 mm, 1.25e+04 mm, 1e+03 mm
+    assert mm(999.9) == "1 m"
+    assert say("baseline_mm", 12500.0) == "12500 mm of baseline"
+    assert size(0.9999) == "1 m"
+    assert size(0.9999, 4) == "999.9 mm"
+    assert size(1234.0) == "1234 m"

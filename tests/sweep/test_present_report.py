@@ -17,6 +17,7 @@ from rigsim.present.sweep.tables import MOST_ROWS, all_rows, best_by_depth
 from rigsim.present.sweep.witness_table import witness_table
 from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.sensor import Sensor
+from rigsim.study.agreement.agreement import Agreement
 from rigsim.study.scene.columns import MEASURED_COLUMNS
 from rigsim.study.sweep.result import SweepResult
 from tests.helpers.synthetic_sweeps import make_result
@@ -370,3 +371,52 @@ def test_the_report_stays_small_however_loud_the_pictures() -> None:
 
 def test_the_same_result_gives_the_same_page(result: SweepResult) -> None:
     assert report_html(result) == report_html(result)
+
+
+def test_on_paper_short_tables_stay_whole_and_long_ones_leave_no_row_alone() -> None:
+    html = report_html(make_result((100, 200), n_points=60))
+    on_paper = html[html.index("@media print") : html.index("</style>")]
+    for rule in (
+        "table:not(:has(tbody tr:nth-child(16))) { break-inside: avoid; }",
+        "tbody tr:nth-last-child(-n+2), tr.why { break-before: avoid; }",
+        "tbody tr:nth-child(-n+2), tr.told { break-after: avoid; }",
+        "figure, .pair, pre, tr, dd { break-inside: avoid; }",
+        "thead { display: table-header-group; }",
+    ):
+        assert rule in on_paper
+    assert not re.search(r"break-(before|after): *(page|always|left|right)|page-break", on_paper)
+    assert "#rig" not in on_paper  # a section may break: it left pages half empty
+
+
+CLEAR, OPEN = Agreement("agrees"), Agreement("untold", "measured", "unclear", ratio=0.8, interval=(0.7, 0.9))
+DUMB = Agreement("untold", "simulated", "too-few-trials", count=(3, 30))
+
+
+@pytest.mark.parametrize(
+    ("method", "found", "badge", "says"),
+    [  # the rig on show is the last
+        ("corners", [CLEAR, CLEAR, CLEAR], "agrees", "✓ Three witnesses agree"),
+        (
+            "corners",
+            [OPEN, OPEN, CLEAR],
+            "agrees",
+            "✓ Three witnesses agree; not enough to tell in 2 of 3 rows",
+        ),
+        (
+            "corners",
+            [OPEN, CLEAR, OPEN],
+            "untold",
+            "? Not enough to tell whether the pictures agree; in 1 of 3 rows they do",
+        ),
+        ("none", [DUMB] * 3, "untold", "? Not enough to tell whether prediction and simulation agree"),
+    ],
+)
+def test_the_badge_is_first_about_the_rig_on_show(
+    method: str, found: list[Agreement], badge: str, says: str
+) -> None:
+    result = make_result((50, 100, 200), n_points=60, method=method)
+    rows = result.rows.copy()
+    rows["agreement"] = found
+    html = report_html(dataclasses.replace(result, rows=rows))
+    assert result.showcase.row == 2
+    assert f'<span class="badge {badge}">{says}</span>' in html

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from rigsim.present.kit.format import with_error
+from rigsim.rig.digits import short
 from rigsim.study.compare import columns as col
 from rigsim.study.compare.judge import off_bound, quantile
 from rigsim.study.compare.run import ComparisonResult
@@ -135,8 +136,8 @@ def _failures(result: ComparisonResult) -> list[str]:
         if len(mine):
             row = rows.loc[mine.abs().idxmax()]
             said.append(
-                f"{label} loses {100 * row[col.FAILED_SHARE]:.3g} % of the points in {_place(row)}, where"
-                f" noise alone loses {100 * row[col.EXPECTED_FAILED_SHARE]:.3g} %."
+                f"{label} loses {short(100 * row[col.FAILED_SHARE])} % of the points in {_place(row)}, where"
+                f" noise alone loses {short(100 * row[col.EXPECTED_FAILED_SHARE])} %."
             )
     return said or ["Every triangulator loses as many points as noise alone would."]
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from rigsim.present.kit.sayings import Sentences, spoken
+from rigsim.rig.digits import short
 from rigsim.study.design import words as words
 from rigsim.study.design.help import Attempt, Best
 from rigsim.study.design.tolerance import DesignTolerance
@@ -17,9 +18,9 @@ from rigsim.study.tolerance.sensitivities import QUANTITIES, UNITS
 def _calibrated_before(parameter: str, std: float, share: float) -> str:
     key = quantity_of(parameter)
     if math.isfinite(share):
-        return f"{QUANTITIES[key]} calibrated to {100 * share:.2g} %"
+        return f"{QUANTITIES[key]} calibrated to {short(100 * share, 2)} %"
     amount = std * {"deg": math.degrees(1), "mm": 1e3}.get(UNITS[key], 1.0)
-    return f"{QUANTITIES[key]} calibrated to {amount:.2g} {UNITS[key]}".rstrip()
+    return f"{QUANTITIES[key]} calibrated to {short(amount, 2)} {UNITS[key]}".rstrip()
 
 
 CHANGED: Sentences = {
@@ -110,7 +111,7 @@ def _must_hold(tolerance: DesignTolerance) -> str:
         return f"Pixel noise alone exceeds {kept}: no build can meet it."
     hold = " and ".join(
         f"{QUANTITIES[item.key]} to {'±' * result.tolerances.is_bound(item.key)}"
-        f"{item.needed_equal_share:.2g} {UNITS[item.key]}".rstrip()
+        f"{short(item.needed_equal_share, 2)} {UNITS[item.key]}".rstrip()
         for item in worst[:2]
     )
     return (

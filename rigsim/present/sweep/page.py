@@ -19,7 +19,7 @@ from rigsim.present.sweep.rig_table import rig_table
 from rigsim.present.sweep.same import same_words
 from rigsim.present.sweep.witness_table import witness_table
 from rigsim.present.sweep.words import growth_words, verdict
-from rigsim.study.agreement.agreement import flagged
+from rigsim.study.agreement.agreement import kinds
 from rigsim.study.scene import columns as col
 from rigsim.study.sweep.comparison import row_of_bins
 from rigsim.study.sweep.growth import growth_of
@@ -80,8 +80,7 @@ def report_html(result: SweepResult, plan: Figure | None = None, cover: Cover | 
         rows=tables.all_rows(result),
         same=same_words(result),
         growth=_growth_words(result),
-        best_agreement=best[col.AGREEMENT],
-        n_flagged=int(flagged(result.rows).sum()),
+        agreement_badge=_agreement_badge(result),
         measured=was_measured(result.rows),
         method=method_words(best),
         scene=best[col.SCENE],
@@ -89,6 +88,22 @@ def report_html(result: SweepResult, plan: Figure | None = None, cover: Cover | 
         command=command,
         provenance=provenance,
     )
+
+
+def _agreement_badge(result: SweepResult) -> tuple[str, str]:
+    """Class and words of the badge that says whether the witnesses agree: first of the rig on show."""
+    own = result.rows[col.AGREEMENT].iloc[result.showcase.row]
+    found, n = kinds(result.rows), len(result.rows)
+    n_flagged, n_agrees, n_untold = (int((found == kind).sum()) for kind in ("flagged", "agrees", "untold"))
+    if n_flagged:
+        return "flagged", f"⚠ Flagged: {n_flagged} of {n} {'row' if n == 1 else 'rows'}"
+    if own.kind == "untold":
+        who = "the pictures" if own.witness == "measured" else "prediction and simulation"
+        others = f"; in {n_agrees} of {n} rows they do" if n_agrees else ""
+        return "untold", f"? Not enough to tell whether {who} agree{others}"
+    who = "Three witnesses" if was_measured(result.rows) else "Prediction and simulation"
+    others = f"; not enough to tell in {n_untold} of {n} rows" if n_untold else ""
+    return "agrees", f"✓ {who} agree{others}"
 
 
 def _title(result: SweepResult, axes: list[PlotAxis]) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import pandas as pd
 
+from rigsim.rig.digits import length, short
 from rigsim.study.scene.axes import registry
 
 AXIS_WORDS = {
@@ -30,7 +31,7 @@ def say(axis: str, value: object) -> str:
     if unit is None:
         return f"`{value}`"
     space = "" if unit in ("", "°") else " "
-    return f"{value:.4g}{space}{unit} of {words}"
+    return f"{short(value, 4)}{space}{unit} of {words}"
 
 
 def distances(spans_mm: Sequence[tuple[float, float]]) -> str:
@@ -40,9 +41,7 @@ def distances(spans_mm: Sequence[tuple[float, float]]) -> str:
 
 def mm(value: float) -> str:
     """Millimetres with three digits; metres from 1 m on."""
-    if abs(value) >= 1000:
-        return f"{value / 1000:.3g} m"
-    return f"{value:.3g} mm"
+    return length(value)
 
 
 def percent(fraction: float) -> str:

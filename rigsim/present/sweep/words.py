@@ -14,6 +14,7 @@ from rigsim.present.kit.agreement import spelled as spelled
 from rigsim.present.kit.format import count
 from rigsim.present.sweep import requirement_words
 from rigsim.present.sweep.phrases import describe, distances, mm, percent, say
+from rigsim.rig.digits import short
 from rigsim.study.agreement.agreement import kinds as kinds_of
 from rigsim.study.scene import columns as col
 from rigsim.study.scene.plan import DEFAULT_SCENE, Held
@@ -118,9 +119,9 @@ def _trend(result: SweepResult) -> list[str]:
     verb = "falls" if found.last_mm < found.first_mm else "rises"
     at = describe(result.rows.loc[result.best[0]], found.held)
     return [
-        f"From {found.first:.4g} to {say(found.axis, found.last)}{f' (at {at})' if at else ''}, the depth "
-        f"error at {distances(found.spans_mm)} {verb} from {mm(found.first_mm)} to {mm(found.last_mm)} RMS "
-        "per pixel of the image."
+        f"From {short(found.first, 4)} to {say(found.axis, found.last)}{f' (at {at})' if at else ''}, the "
+        f"depth error at {distances(found.spans_mm)} {verb} from {mm(found.first_mm)} to "
+        f"{mm(found.last_mm)} RMS per pixel of the image."
     ]
 
 
@@ -151,7 +152,7 @@ def _headline(row: pd.Series, bins: pd.DataFrame) -> str:
     # a scene that nobody chose says nothing
     scene = "" if row[col.SCENE] == DEFAULT_SCENE else f" in scene `{row[col.SCENE]}`"
     return (
-        f"At {_depths(middle)}, {row[col.BASELINE]:.4g} mm of baseline gives "
+        f"At {_depths(middle)}, {short(row[col.BASELINE], 4)} mm of baseline gives "
         f"{mm(middle[col.DEPTH_RMSE])} RMS depth error; "
         f"predicted {mm(middle[col.PREDICTED_DEPTH_RMSE])}; "
         f"simulated on {count(row[col.N_VISIBLE])} points{scene}; {ending}."

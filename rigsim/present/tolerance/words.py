@@ -6,6 +6,7 @@ import numpy as np
 
 from rigsim.present.kit.format import sampled_percent
 from rigsim.rig.arrays import Mask
+from rigsim.rig.digits import short
 from rigsim.study.tolerance.inputs import QUANTITIES
 from rigsim.study.tolerance.run import ToleranceResult
 
@@ -42,9 +43,9 @@ def hopeless_sentence(result: ToleranceResult) -> str:
         return ""
     what = "the 95th percentile of the errors" if required.p95 else "the error"
     return (
-        f"Pixel noise alone takes {what} at {required.depth_m:g} m to {result.judged.noise_mm:.3g} mm, "
-        f"{1e3 * required.error_m:.3g} mm are asked for: no build meets that, and the table says none where "
-        "a tolerance is needed. Less noise, a longer baseline or a longer lens would help."
+        f"Pixel noise alone takes {what} at {required.depth_m:g} m to {short(result.judged.noise_mm)} mm, "
+        f"{short(1e3 * required.error_m)} mm are asked for: no build meets that, and the table says none "
+        "where a tolerance is needed. Less noise, a longer baseline or a longer lens would help."
     )
 
 
@@ -60,7 +61,7 @@ def yield_sentence(result: ToleranceResult) -> str:
         says += f" By their build alone {_percent(judged.built.good_alone)}"
         if judged.recalibrated is not None:
             says += f" and {_percent(judged.recalibrated.good_alone)}"
-        says += f" would; noise alone causes {judged.noise_mm:.3g} mm of error."
+        says += f" would; noise alone causes {short(judged.noise_mm)} mm of error."
     return says
 
 
@@ -75,8 +76,8 @@ def informed_sentence(result: ToleranceResult) -> str:
         return ""
     plain, informed = (float(np.median(rigs.build_mm)) for rigs in (judged.recalibrated, judged.informed))
     return (
-        f"This recalibration does not use the tolerances: it leaves a build error of {plain:.3g} mm in the"
-        f" median rig. One that uses them would leave {informed:.3g} mm, and"
+        f"This recalibration does not use the tolerances: it leaves a build error of {short(plain)} mm in the"
+        f" median rig. One that uses them would leave {short(informed)} mm, and"
         f" {_percent(judged.informed.good)} of the rigs would be good."
     )
 

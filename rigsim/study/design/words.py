@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from rigsim.rig import digits as digits_of
 from rigsim.theory.inverse import Camera, Relaxation, Requirement
 from rigsim.theory.inverse_error import P95_OVER_STD
 
@@ -36,7 +37,7 @@ def share(of_rigs: float) -> str:
 
 def size(length_m: float, digits: int = 3) -> str:
     """A length in mm, or in m from 1 m on."""
-    return f"{length_m:.{digits}g} m" if abs(length_m) >= 1 else f"{length_m * 1e3:.{digits}g} mm"
+    return digits_of.length(1e3 * length_m, digits)
 
 
 def value(requirement: Requirement, amount: float, digits: int = 4) -> str:
@@ -47,7 +48,7 @@ def value(requirement: Requirement, amount: float, digits: int = 4) -> str:
         case "max_disparity":
             return f"{_digits(amount, digits)} px"
         case "overlap":
-            return f"{amount * 100:.{digits}g} %"
+            return f"{digits_of.short(amount * 100, digits)} %"
         case "fov" | "vfov":
             return f"{math.degrees(amount):.{digits}g}°"
         case "pixels":
