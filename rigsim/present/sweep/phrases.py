@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import pandas as pd
 
@@ -25,7 +26,7 @@ def describe(row: pd.Series, axes: tuple[str, ...]) -> str:
     return ", ".join(say(axis, row[axis]) for axis in axes)
 
 
-def say(axis: str, value: object) -> str:
+def say(axis: str, value: Any) -> str:
     """A value of an axis with its name: ``120 mm of baseline``."""
     words, unit = AXIS_WORDS[axis]
     if unit is None:

@@ -46,7 +46,7 @@ def value(requirement: Requirement, amount: float, digits: int = 4) -> str:
         case "depth_error" | "cover" | "cover_height" | "max_baseline" | "min_baseline":
             return size(amount, digits)
         case "max_disparity":
-            return f"{_digits(amount, digits)} px"
+            return f"{digits_of.short(amount, digits)} px"
         case "overlap":
             return f"{digits_of.short(amount * 100, digits)} %"
         case "fov" | "vfov":
@@ -54,12 +54,7 @@ def value(requirement: Requirement, amount: float, digits: int = 4) -> str:
         case "pixels":
             return f"{amount / 1e6:.{digits}g} MP"
         case _:
-            return f"{_digits(amount, digits)} sigma"
-
-
-def _digits(amount: float, digits: int) -> str:
-    """Significant digits, and all of a whole number's: ``2,460``, no ``2.46e+03``."""
-    return f"{amount:,.0f}" if 10**digits <= abs(amount) < math.inf else f"{amount:.{digits}g}"
+            return f"{digits_of.short(amount, digits)} sigma"
 
 
 def name(requirement: Requirement) -> str:
