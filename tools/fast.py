@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import ast
 import os
+import re
 import subprocess
 import sys
 import time
@@ -88,6 +89,9 @@ def _importers(root: Path) -> Mapping[str, set[str]]:
     sys.path.insert(0, str(root))
     graph = grimp.build_graph("rigsim", cache_dir=None)
     who = {name: set(graph.find_modules_that_directly_import(name)) for name in graph.modules}
+    app = root / "rigsim" / "cli" / "app.py"
+    for command in re.findall(r'"(rigsim[\w.]+):\w+"', app.read_text(encoding="utf-8")):
+        who.setdefault(command, set()).add("rigsim.cli.app")  # loaded when it is called
     for folder in ("tests", "benchmarks"):
         for file in root.glob(f"{folder}/**/*.py"):
             name = module(file.relative_to(root).as_posix())
