@@ -137,8 +137,7 @@ def design(options: DesignOptions) -> Designed:
         cover_at_m: Where, m; the far end by default.
         max_baseline_mm: Longest baseline, mm.
         min_baseline_mm: Shortest baseline, mm.
-        body_width_mm: Width of a camera's body, mm: two do not fit closer; by default that of `sensors`
-            where one is known.
+        body_width_mm: Width of a camera's body, mm: two do not fit closer.
         max_disparity_px: Disparities that the matcher searches, px.
         max_pixels: Most pixels of one image.
         min_overlap: Least shares of the left image seen by the right, 0 to 1; by default 0.5 at the near end.

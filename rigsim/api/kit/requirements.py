@@ -138,10 +138,9 @@ def _others(options: DesignOptions, near_m: float, far_m: float) -> Iterator[Req
             yield Requirement("cover_height", sides[1] / 1e3, at_m)
     if options.max_baseline_mm is not None:
         yield Requirement("max_baseline", options.max_baseline_mm / 1e3)
-    if options.min_baseline_mm is not None:
-        yield Requirement("min_baseline", options.min_baseline_mm / 1e3)
-    elif options.body_width_mm:
-        yield Requirement("min_baseline", options.body_width_mm / 1e3)
+    apart = [one for one in (options.min_baseline_mm, options.body_width_mm or None) if one is not None]
+    if apart:
+        yield Requirement("min_baseline", max(apart) / 1e3)
     if options.max_disparity_px is not None:
         yield Requirement("max_disparity", options.max_disparity_px, near_m)
     if options.max_pixels is not None:

@@ -75,8 +75,7 @@ class DesignWords:
         str | None,
         typer.Option(
             metavar="LENGTH",
-            help="Width of a camera's body: two do not fit closer. By default that of a --sensor's usual "
-            "camera, where it is known; 0 for none.",
+            help="Width of a camera's body: two do not fit closer; 29 mm are usual for C mounts.",
         ),
     ] = None
     resolution: Annotated[
