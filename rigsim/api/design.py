@@ -20,7 +20,7 @@ from rigsim.rig.remark import Remark
 from rigsim.rig.sensor import Sensor
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.design.proof import Proof, recommended
-from rigsim.study.design.solve import Design, solve
+from rigsim.study.design.solve import Candidate, Design, solve
 from rigsim.study.design.tolerance import DesignTolerance, design_tolerance
 from rigsim.theory.inverse import Camera
 
@@ -77,6 +77,13 @@ class Designed(Result):
         from rigsim.present.design.console import headline
 
         return headline(self.found, self.proofs)
+
+    @property
+    def smallest_resolution(self) -> Candidate | None:
+        """The candidate with the fewest pixels that would do; None for none, or where one size was tried."""
+        from rigsim.study.design.buildable import smallest_resolution
+
+        return smallest_resolution(self.found)
 
     @property
     def figures(self) -> Mapping[str, Callable[[], Figure]]:

@@ -7,6 +7,7 @@ import math
 import pytest
 
 import rigsim
+from rigsim.present.design import console
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance.count import count_good
@@ -81,3 +82,32 @@ def test_own_tolerances_stand_in_for_the_class_s() -> None:
     held = found.tolerance.result.tolerances
     assert math.isclose(held.yaw_deg, 0.3)
     assert held.pitch_deg == CLASSES["machined"].tolerances(found.rig).pitch_deg
+
+
+def test_the_smallest_resolution_that_would_do() -> None:
+    """By hand: Z^2 sqrt(2) sigma / (f B) of 30 mm at 3 m, f = W / (2 tan 30 deg), B up to 200 mm, takes
+    W >= 612; 1 to 1.3 times as wide leaves the build nothing."""
+    asked = {
+        "range_m": (1.5, 3),
+        "depth_error_mm": 30,
+        "lenses_deg": 60,
+        "max_baseline_mm": 200,
+        "proof": False,
+    }
+    sizes = ((480, 360), (640, 480), (1280, 960), (2560, 1920))
+    found = rigsim.design(**asked, resolutions_px=sizes, prefer="most-accurate")
+    assert found.rig.left.width == 2560
+    assert found.smallest_resolution is not None
+    assert found.smallest_resolution.camera.width_px == 640
+    document = found.document()
+    assert document["smallest_resolution"]["width_px"] == 640
+    said = " ".join(console.sentences(found.found, found.proofs))
+    assert "By formula the smallest resolution that will do is 640x480 px, with a baseline of" in said
+    built = rigsim.design(**asked, resolutions_px=sizes)
+    assert built.smallest_resolution is not None
+    assert built.smallest_resolution.camera.width_px == built.rig.left.width > 640
+    said = " ".join(console.sentences(built.found, built.proofs))
+    assert f"no smaller resolution than {built.rig.left.width}x" in said
+    alone = rigsim.design(**asked, resolutions_px=(2560, 1920))
+    assert alone.document()["smallest_resolution"] is None
+    assert "resolution" not in " ".join(console.sentences(alone.found, alone.proofs))

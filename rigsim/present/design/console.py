@@ -12,6 +12,7 @@ from rigsim.present.design.words import badge, noise, outcome
 from rigsim.present.kit.console import make_console, print_table
 from rigsim.present.kit.format import MISSING, number, plain
 from rigsim.study.design import words as words
+from rigsim.study.design.buildable import leaves_resolution_open, smallest_resolution
 from rigsim.study.design.proof import Proof, held_to, recommended, verdict
 from rigsim.study.design.solve import Candidate, Design, Specification
 from rigsim.study.design.tolerance import DesignTolerance
@@ -59,7 +60,25 @@ def sentences(design: Design, proofs: Sequence[Proof]) -> tuple[str, ...]:
     said.append(
         f"{n} of {len(design.intervals)} cameras qualify; {design.preference} first, with margin preferred."
     )
+    said += _smallest(design, pick)
     return tuple(said)
+
+
+def _smallest(design: Design, pick: Candidate) -> list[str]:
+    """The smallest resolution that would do, where several were tried."""
+    if not leaves_resolution_open(design):
+        return []
+    built = ": 95 of 100 built rigs should hold it" if design.preference == "buildable" else ""
+    found = smallest_resolution(design)
+    if found is None:
+        return ["At no resolution tried should 95 of 100 built rigs hold it."]
+    size = f"{found.camera.width_px}x{found.camera.height_px} px"
+    if found.camera.pixels == pick.camera.pixels:
+        return [f"By formula no smaller resolution than {size} will do{built}."]
+    return [
+        f"By formula the smallest resolution that will do is {size}, with a baseline of "
+        f"{words.size(found.baseline_m, 4)}{built}."
+    ]
 
 
 def _budget(pick: Candidate, spec: Specification) -> str:

@@ -19,7 +19,7 @@ from rigsim.study.tolerance.sensitivities import CLASSES, BuildRequirement, Tole
 from rigsim.theory.inverse import Requirement
 
 if TYPE_CHECKING:
-    from rigsim.study.design.solve import Candidate, Specification
+    from rigsim.study.design.solve import Candidate, Design, Specification
 
 CLASS = "machined"
 """Class of builders, unless asked for otherwise."""
@@ -78,6 +78,22 @@ def buildable_first(candidates: Iterable[Candidate], specification: Specificatio
             return [candidate, *left[place + 1 :], *(other for _, other in sorted(poor, key=_worst_last))]
         poor.append((good, candidate))
     return [candidate for _, candidate in sorted(poor, key=_worst_last)]
+
+
+def smallest_resolution(design: Design) -> Candidate | None:
+    """The candidate with the fewest pixels, where resolutions were left open; with ``buildable``, of those
+    that enough builders would make well. None where there is none, or only one resolution."""
+    if not leaves_resolution_open(design):
+        return None
+    few_first = sorted(design.candidates, key=lambda candidate: candidate.camera.pixels)
+    if design.preference != "buildable":
+        return next(iter(few_first), None)
+    return next((one for one in few_first if expected_share(one, design.specification) >= ENOUGH), None)
+
+
+def leaves_resolution_open(design: Design) -> bool:
+    """Whether cameras of several resolutions were tried."""
+    return len({(one.camera.width_px, one.camera.height_px) for one in design.intervals}) > 1
 
 
 def _worst_last(item: tuple[float, Candidate]) -> float:

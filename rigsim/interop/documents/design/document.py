@@ -26,6 +26,7 @@ from rigsim.interop.documents.design.models import (
 from rigsim.interop.documents.text import clean
 from rigsim.interop.documents.tolerance import quantities_part, required_part
 from rigsim.study.design import words as labels
+from rigsim.study.design.buildable import smallest_resolution
 from rigsim.study.design.help import Attempt
 from rigsim.study.design.proof import Proof, held_to, recommended, verdict
 from rigsim.study.design.solve import Candidate as Picked
@@ -76,6 +77,7 @@ def design_document(
     """The answer, as docs/reference/design.md says; `words` has its sentences."""
     pick = recommended(design, proofs)
     spec = design.specification
+    smallest = smallest_resolution(design)
     return DesignDocument(
         recommended=Recommended(
             **_rig(pick),
@@ -95,6 +97,7 @@ def design_document(
         preference=cast("Preference", design.preference),
         cameras_tried=len(design.intervals),
         feasible=[_feasible(interval) for interval in design.feasible],
+        smallest_resolution=None if smallest is None else Candidate(**_rig(smallest)),
         pareto=[Candidate(**_rig(candidate)) for candidate in design.pareto],
         proof=[
             Proved(

@@ -239,6 +239,9 @@ class DesignDocument(Part):
     """How many, feasible or not."""
     feasible: list[Feasible]
     """Those with which some baseline meets every requirement."""
+    smallest_resolution: Candidate | None
+    """The candidate with the fewest pixels, which enough built rigs should hold where that is preferred; null
+    for none, or where one resolution was tried."""
     pareto: list[Candidate]
     """Pareto-optimal rigs; best first."""
     proof: list[Proved]
