@@ -87,8 +87,8 @@ def _would_meet(result: SweepResult) -> list[str]:
     noise = f"pixel noise of {rounded(found.noise_px, up=False):.3g} px"
     if found.baseline_m is None:
         return [
-            f"By the closed form {noise} would, all else the same; it was not simulated. With a baseline long "
-            "enough the cameras would share no view there."
+            f"By the closed form {noise} would, all else the same; it was not simulated. A baseline long "
+            "enough would leave the cameras no view in common there."
         ]
     baseline = f"a baseline of {mm(rounded(1e3 * found.baseline_m, up=True))}"
     return [f"By the closed form {baseline} would, all else the same, or {noise}; neither was simulated."]
