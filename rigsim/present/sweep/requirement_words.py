@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from rigsim.present.kit.format import plain
 from rigsim.present.sweep.phrases import describe, mm, say
+from rigsim.study.design.words import rounded
 from rigsim.study.scene import columns as col
 from rigsim.study.scene.columns import COLUMNS
 from rigsim.study.sweep.requirement import (
@@ -82,10 +83,15 @@ def _would_meet(result: SweepResult) -> list[str]:
     found = would_meet(show.rig, show.noise, result.requirements)
     if found is None:
         return []
-    return [
-        f"By the closed form a baseline of {mm(1e3 * found.baseline_m)} would, all else the same, or pixel "
-        f"noise of {found.noise_px:.3g} px; neither was simulated."
-    ]
+    # rounded to the side that meets it
+    noise = f"pixel noise of {rounded(found.noise_px, up=False):.3g} px"
+    if found.baseline_m is None:
+        return [
+            f"By the closed form {noise} would, all else the same; it was not simulated. A baseline long "
+            "enough would leave the cameras no view in common there."
+        ]
+    baseline = f"a baseline of {mm(rounded(1e3 * found.baseline_m, up=True))}"
+    return [f"By the closed form {baseline} would, all else the same, or {noise}; neither was simulated."]
 
 
 def _counts(found: Sequence[RowVerdict]) -> str:

@@ -24,6 +24,7 @@ from rigsim.study.agreement.agreement import flagged
 from rigsim.study.scene import columns as col
 from rigsim.study.sweep.comparison import FEWEST_POINTS, row_of_bins
 from rigsim.theory.inverse_error import P95_OVER_STD
+from rigsim.theory.limits import overlap_at_depth
 from rigsim.theory.uncertainty import predict_depth_std
 
 RowVerdict: TypeAlias = Literal["met", "not_met", "not_shown"]
@@ -138,8 +139,9 @@ def answer_first(
 class WouldMeet:
     """What would meet what was asked, by the closed form of a rectified rig's depth error."""
 
-    baseline_m: float
-    """A baseline, m, with the noise as it is."""
+    baseline_m: float | None
+    """A baseline, m, with the noise as it is; None where its cameras would share no view at a distance asked
+    for."""
     noise_px: float
     """Or a noise, px, with the baseline as it is."""
 
@@ -156,7 +158,10 @@ def would_meet(rig: StereoRig, noise: PixelNoise, held: Sequence[RowsHeld]) -> W
     )
     if not 0 < over < math.inf:
         return None
-    return WouldMeet(rig.baseline_m * over, noise.std_px / over)
+    baseline_m = rig.baseline_m * over
+    longer = StereoRig.rectified(rig.left, baseline_m, right=rig.right)
+    shared = all(overlap_at_depth(longer, one.asked.at_mm / 1e3).fraction > 0 for one in held)
+    return WouldMeet(baseline_m if shared else None, noise.std_px / over)
 
 
 def _held(asked: DepthRequirement, by_depth: pd.DataFrame, lines: Ids) -> RowHeld:

@@ -162,6 +162,35 @@ def test_what_would_meet_it_does(p95: bool) -> None:
     assert would_meet(toed, PixelNoise(0.25), [held]) is None
 
 
+def test_a_baseline_that_leaves_no_view_in_common_is_not_offered() -> None:
+    # 640 px behind 500 px see 1.28 Z; by hand: sqrt(2) 0.25 Z^2 / (500 e) is 0.283 m for 0.1 mm at 0.2 m,
+    # more than the 0.256 m that it sees there, and 0.236 m for 0.12 mm, less
+    rig = StereoRig.rectified(Intrinsics.from_focal(640, 480, 500.0), 0.1)
+    none, some = (
+        would_meet(rig, PixelNoise(0.25), hold_rows(*no_rows(), [DepthRequirement(200.0, error_mm)]))
+        for error_mm in (0.1, 0.12)
+    )
+    assert none is not None
+    assert some is not None
+    assert none.baseline_m is None
+    assert none.noise_px == pytest.approx(0.25 * 0.1 / 0.28284, rel=1e-4)
+    assert some.baseline_m == pytest.approx(0.23570, rel=1e-4)
+
+
+@pytest.mark.parametrize("limit_mm", [5.0, 7.03, 12.9])
+def test_what_is_said_to_meet_it_does_as_printed(limit_mm: float) -> None:
+    """Three digits are rounded to the side that meets it."""
+    result = asked(DepthRequirement(3000.0, limit_mm))
+    (said,) = [one for one in verdict(result).sentences if one.startswith("By the closed form")]
+    found = re.search(r"baseline of (\S+) (m?m) would, all else the same, or pixel noise of (\S+) px;", said)
+    assert found is not None
+    baseline_m = float(found[1]) * {"mm": 1e-3, "m": 1.0}[found[2]]
+    # 900 px
+    assert 9e3 * math.sqrt(2) * 0.25 / (900 * baseline_m) <= limit_mm * (1 + 1e-9)
+    assert 9e3 * math.sqrt(2) * float(found[3]) / (900 * 0.2) <= limit_mm * (1 + 1e-9)
+    assert 9e3 * math.sqrt(2) * 0.25 / (900 * baseline_m) > limit_mm * 0.985
+
+
 def no_rows() -> tuple[pd.DataFrame, pd.DataFrame]:
     return pd.DataFrame(columns=list(ROW_COLUMNS)), pd.DataFrame(columns=list(DEPTH_COLUMNS))
 
