@@ -22,6 +22,7 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.study.design.proof import Proof, recommended
 from rigsim.study.design.solve import Candidate, Design, solve
 from rigsim.study.design.tolerance import DesignTolerance, design_tolerance
+from rigsim.study.design.view import view_remarks
 from rigsim.theory.inverse import Camera
 
 if TYPE_CHECKING:
@@ -227,6 +228,7 @@ def _designed(options: DesignOptions) -> Designed:
         place = Place(scene, options.seed, options.renderer, options.measure)
         found, proofs, remarks = try_out(specification, cameras, options.prefer, place, fits, measures_noise)
     pick = recommended(found, proofs)
+    remarks = (*remarks, *view_remarks(found, pick))
     held = design_tolerance(found.specification, pick, options.seed, found.candidates)
     told = has_own_noise(pick.camera.sensor, optics) or options.blur_px is not None
     sensor = fits[pick.camera.sensor, pick.camera.merged].sensor if told else None

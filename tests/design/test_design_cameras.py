@@ -129,3 +129,25 @@ def test_what_a_placed_rig_shows_of_heights() -> None:
     close(held.simulated, 1.8, rtol=1e-4)
     held = check(Requirement("vfov", 0.5), sight, np.random.default_rng(0))
     close(held.simulated, 2 * math.atan(0.45), rtol=1e-9)
+
+
+def test_a_view_that_nobody_asked_for_is_remarked_on() -> None:
+    asked = {"range_m": (5, 20), "depth_error_pct": 5, "pixel_pitch_um": 3, "resolutions_px": (1280, 800)}
+    asked |= {"lenses_mm": (2.8, 25), "proof": False}
+    # 1280 px x 3 um are 3.84 mm: 25 mm see 8.78 deg of them, 2.8 mm 68.9 deg
+    (told,) = rigsim.design(**asked, prefer="smallest").remarks
+    assert told.text.startswith("the rig sees 8.78° across: no field of view was asked for")
+    assert rigsim.design(**asked, fov_deg=60).remarks == ()
+    assert rigsim.design(**{**asked, "lenses_mm": 25}).remarks == ()
+
+
+def test_what_is_covered_at_the_far_end_alone_is_remarked_on() -> None:
+    asked = {"range_m": (1, 1.4), "depth_error_mm": 3, "pixel_pitch_um": 3.45, "lenses_mm": 4, "proof": False}
+    asked |= {"resolutions_px": (1440, 1080)}
+    found = rigsim.design(**asked, cover_mm=(1000, 600))
+    (told,) = found.remarks
+    # by hand: Z W pitch / f - B at 1 m
+    near_mm = 1000 * 1440 * 0.00345 / 4 - 1e3 * found.rig.baseline_m
+    assert near_mm < 1000
+    assert f"at 1 m both cameras see {near_mm:.3g} mm: --cover WxH@1m asks for it there" in told.text
+    assert rigsim.design(**asked, cover_mm=(1000, 600), cover_at_m=1).remarks == ()

@@ -22,6 +22,7 @@ from rigsim.theory.uncertainty import pixel_gain
 _STEP = 1e-4
 _MOST_STEPS = 20
 _STILL = 1e-6
+_RIDGE = 1e-12
 _LONGEST = 2.0
 _LEAST_NOISE_PX = 1e-3
 _MOVES = ("yaw_rad", "pitch_rad", "roll_rad", "baseline_m", "axial_m", "vertical_m")
@@ -100,7 +101,11 @@ class Compensator:
         """One step (n, q) of Gauss-Newton, in standard deviations of the `free` quantities, and the rays."""
         residual, J, rays = self._slopes(pixels, lengths_m, thetas, start, free)
         transposed = J.transpose(0, 2, 1)
-        step = np.linalg.solve(transposed @ J, transposed @ residual[:, :, None])[:, :, 0]
+        normal, toward = transposed @ J, (transposed @ residual[:, :, None])[:, :, 0]
+        # a mark read near infinity outweighs all else: each quantity in its own measure, and a rank held up
+        scale = 1 / np.sqrt(np.einsum("nqq->nq", normal))
+        normal = normal * scale[:, :, None] * scale[:, None, :] + _RIDGE * np.eye(len(free))
+        step = scale * np.linalg.solve(normal, (scale * toward)[:, :, None])[:, :, 0]
         # far off, the slopes mislead: no step is longer than what is known beforehand allows
         return step / np.maximum(np.abs(step).max(axis=1, keepdims=True) / _LONGEST, 1.0), rays
 
