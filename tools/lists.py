@@ -106,6 +106,7 @@ def sensors_table() -> str:
     heads = (
         *("sensor", "maker", "pixel µm", "image px", "shutter", "bits", "full well e⁻", "read noise e⁻"),
         *("source of pixel and image", "source of electrons", "source of shutter"),
+        "body of a camera",
     )
     rows = (
         (
@@ -120,6 +121,9 @@ def sensors_table() -> str:
             one.geometry_source,
             one.noise_source or "–",
             "that of pixel and image" if one.shutter_source == one.geometry_source else one.shutter_source,
+            "–"
+            if one.housing is None
+            else f"{one.housing.width_mm:g} mm, {one.housing.camera} ({one.housing.source})",
         )
         for one in SENSORS.values()
     )

@@ -145,7 +145,8 @@ def design(options: DesignOptions) -> Designed:
         cover_at_m: Where, m; the far end by default.
         max_baseline_mm: Longest baseline, mm.
         min_baseline_mm: Shortest baseline, mm.
-        body_width_mm: Width of a camera's body, mm: two do not fit closer.
+        body_width_mm: Width of a camera's body, mm: two do not fit closer. Without it and
+            `min_baseline_mm`, that of a usual camera with the sensor, where one is known; 0 for none.
         max_disparity_px: Disparities that the matcher searches, px.
         max_pixels: Most pixels of one image.
         min_overlap: Least shares of the left image seen by the right, 0 to 1; by default 0.5 at the near end.
@@ -215,7 +216,11 @@ def _designed(options: DesignOptions) -> Designed:
     optics = SensorOptions(None, options.blur_px, levels, options.full_well_e, options.read_noise_e)
     fits = fittings(cameras, optics)
     measures_noise = bool(
-        options.sensors and options.noise_px is None and options.proof and options.measure != "none"
+        options.sensors
+        and options.noise_px is None
+        and options.disparity_noise_px is None
+        and options.proof
+        and options.measure != "none"
     )
     proofs: tuple[Proof, ...] = ()
     remarks: tuple[Remark, ...] = ()
@@ -247,4 +252,5 @@ def _cameras(options: DesignOptions) -> list[Camera]:
         options.sensor_width_mm,
         options.crop_px,
         options.binning,
+        options.min_baseline_mm is None and options.body_width_mm is None,
     ).all(options.fov_deg)

@@ -141,7 +141,8 @@ class Intrinsics:
         xy = np.asarray(normalized, dtype=np.float64)
         if self.distortion is not None:
             xy = self.distortion.distort(xy)
-        return xy * (self.fx, self.fy) + (self.cx, self.cy)
+        with np.errstate(over="ignore"):  # a point in the camera's own plane is infinitely far off
+            return xy * (self.fx, self.fy) + (self.cx, self.cy)
 
     def normalize(self, uv: npt.ArrayLike) -> Array:
         """Map pixels (..., 2) to undistorted normalised coordinates (x/z, y/z), (..., 2)."""

@@ -77,6 +77,8 @@ class Camera:
     """Pixel pitch, micrometres; None when it is unknown."""
     merged: float = 1.0
     """Pixels of the sensor that make one of the image, across and down."""
+    body_m: float = 0.0
+    """Width of its body, m: two do not stand closer; 0 where it does not matter."""
 
     def __post_init__(self) -> None:
         if not (self.width_px >= 1 and self.height_px >= 1 and 0 < self.focal_px < math.inf):
@@ -245,17 +247,27 @@ def disparity_std_px(noise_px: float) -> float:
     return math.sqrt(2) * noise_px
 
 
+def asked_of(camera: Camera, requirements: Sequence[Requirement]) -> tuple[Requirement, ...]:
+    """All that a rig of `camera` has to do: `requirements`, and that its bodies fit beside each other."""
+    own = (Requirement("min_baseline", camera.body_m),) if camera.body_m else ()
+    return (*requirements, *own)
+
+
 def baseline_interval(camera: Camera, requirements: Sequence[Requirement], noise_px: float) -> Interval:
     """The baselines that meet all `requirements` with `camera`, and what binds at each end.
 
     Args:
         camera: one of the two cameras.
-        requirements: any number of each kind.
+        requirements: any number of each kind; the camera's body is one more.
         noise_px: standard deviation of one pixel coordinate, px.
 
     Raises:
         InvalidRange: the noise is not positive.
     """
+    return _interval(camera, asked_of(camera, requirements), noise_px)
+
+
+def _interval(camera: Camera, requirements: Sequence[Requirement], noise_px: float) -> Interval:
     sigma_d = disparity_std_px(noise_px)
     lower, upper = BaselineBound(0.0, None), BaselineBound(math.inf, None)
     failed = []
@@ -286,7 +298,7 @@ def relaxations(
     """
     best: dict[int, Relaxation] = {}
     for camera in cameras:
-        for place, found in _relax(camera, requirements, noise_px):
+        for place, found in _relax(camera, asked_of(camera, requirements), noise_px):
             if place not in best or found.factor < best[place].factor:
                 best[place] = found
     return tuple(sorted(best.values(), key=lambda found: (round(found.factor, 9), not found.requirement)))
@@ -298,9 +310,7 @@ def _relax(
     sigma_d = disparity_std_px(noise_px)
     found = []
     for place, requirement in enumerate(requirements):
-        rest = baseline_interval(
-            camera, [other for i, other in enumerate(requirements) if i != place], noise_px
-        )
+        rest = _interval(camera, [other for i, other in enumerate(requirements) if i != place], noise_px)
         if not rest.is_feasible:
             continue
         end = rest.upper if requirement.kind in LOWER else rest.lower
@@ -310,8 +320,8 @@ def _relax(
         if needed > 0 and not requirement.is_met(needed) and requirement.kind != "far_disparity":
             ratio = needed / requirement.limit
             found.append((place, Relaxation(requirement, camera, needed, max(ratio, 1 / ratio))))
-    whole = baseline_interval(camera, requirements, noise_px)
-    of_noise = baseline_interval(
+    whole = _interval(camera, requirements, noise_px)
+    of_noise = _interval(
         camera, [other for other in requirements if other.kind != "min_baseline"], noise_px
     ).lower.baseline_m
     least = max((other.limit for other in requirements if other.kind == "min_baseline"), default=0.0)

@@ -188,6 +188,9 @@ def test_the_page_holds_every_sensor_as_it_is(preset: SensorPreset) -> None:
         "that of pixel and image"
         if preset.shutter_source == preset.geometry_source
         else preset.shutter_source,
+        "–"
+        if preset.housing is None
+        else f"{shown(preset.housing.width_mm)} mm, {preset.housing.camera} ({preset.housing.source})",
     ]
 
 

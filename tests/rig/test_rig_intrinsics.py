@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from rigsim.errors import InvalidRig
@@ -111,6 +111,7 @@ def test_random_lenses_are_inverted_wherever_they_show(tangential: float) -> Non
             assert np.isnan(lens.undistort(np.array([[reach * 1.0001, 0.0], [0.0, 30.0]]))).all()
 
 
+@example((0.0, -5.2472246509975805e-158, 0.0, 0.5, 3.42424630571578e-173), 5e-324, 1.5)
 @given(st.tuples(*5 * [st.floats(-0.5, 0.5)]), st.floats(0, 1), st.floats(0, 2 * math.pi))
 def test_any_lens_is_inverted_within_its_fold(terms: tuple[float, ...], share: float, angle: float) -> None:
     k1, k2, p1, p2, k3 = terms
@@ -184,3 +185,10 @@ def test_contains_ends_half_a_pixel_outside() -> None:
 def test_impossible_cameras_are_named(make, says: str) -> None:
     with pytest.raises(InvalidRig, match=says):
         make()
+
+
+def test_a_point_all_but_in_the_cameras_plane_is_infinitely_far_off() -> None:
+    camera = Intrinsics.from_focal(640, 480, 300.0)
+    uv = camera.project([[0.25, 0.0, 3e-308]])
+    assert uv[0, 0] == math.inf
+    assert not camera.contains(uv).any()

@@ -24,13 +24,24 @@ class _Chip:
     pitch_um: float | None = None
     sensor: str = ""
     merged: float = 1.0
+    body_mm: float = 0.0
 
     def behind(self, focal_px: float) -> Camera:
         """Behind a lens."""
         mm = None if self.pitch_um is None else focal_px * self.pitch_um / 1e3
         lens = "" if mm is None else f"{mm:.3g} mm"
         name = f"{self.sensor.upper()} with {lens}" if self.sensor else f"{lens} lens" if lens else ""
-        return Camera(self.width, self.height, focal_px, name, self.sensor, mm, self.pitch_um, self.merged)
+        return Camera(
+            self.width,
+            self.height,
+            focal_px,
+            name,
+            self.sensor,
+            mm,
+            self.pitch_um,
+            self.merged,
+            self.body_mm / 1e3,
+        )
 
     def cropped(self, width: int, height: int) -> _Chip:
         """Its middle, as large as that."""
@@ -80,6 +91,8 @@ class CameraOptions:
     """Part of the sensor that is read, (width, height), px."""
     binning: int = 1
     """Pixels across, and down, that are read as one."""
+    housed: bool = True
+    """Whether the sensors stand in their usual housings, where those are known."""
 
     def all(self, fov_deg: float | None) -> list[Camera]:
         """Every camera to try; `fov_deg` is the field of view asked for, deg.
@@ -119,7 +132,7 @@ class CameraOptions:
             raise InvalidRange(f"{' and '.join(pitched)} given: each says how large a pixel is, give one")
         wanted = sizes(self.resolutions_px)
         if self.sensors:
-            read = [self._read(chip) for chip in _named(self.sensors)]
+            read = [self._read(chip) for chip in _named(self.sensors, self.housed)]
             return [chip.scaled(*size) for chip in read for size in wanted] or read
         if self.crop_px is not None or self.binning != 1:
             raise InvalidRange("--crop and --binning say how a sensor is read: name it by --sensor")
@@ -157,11 +170,12 @@ def _focals_px(chip: _Chip, unit: str, lenses: tuple[float, ...], fov_deg: float
     return tuple(mm * 1e3 / chip.pitch_um for mm in lenses or LENSES_MM)
 
 
-def _named(names: Sequence[str]) -> list[_Chip]:
+def _named(names: Sequence[str], housed: bool) -> list[_Chip]:
     chips: list[_Chip] = []
     for name in names:
         preset = sensor_preset(str(name))
-        chip = _Chip(preset.width, preset.height, preset.pitch_um, preset.name)
+        body_mm = preset.housing.width_mm if housed and preset.housing is not None else 0.0
+        chip = _Chip(preset.width, preset.height, preset.pitch_um, preset.name, body_mm=body_mm)
         if chip in chips:
             raise InvalidRange(f"sensor {','.join(names)}: {preset.name} is given twice; remove one")
         chips.append(chip)

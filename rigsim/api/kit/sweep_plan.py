@@ -172,7 +172,7 @@ def _noises(options: SweepOptions) -> tuple[PixelNoise, ...]:
     values = _values(options.more, registry.OF_NOISE)
     if not values:
         return tuple(as_noise(noise) for noise in plain)
-    same = [name for name in values if registry.BY_NAME[name].instead_of == "noise"]
+    same = [name for name in values if "noise" in (name, registry.BY_NAME[name].instead_of)]
     if same and said is not None:
         word = "noises_px" if options.disparity_noises_px is None else "disparity_noises_px"
         raise InvalidRange(f"{word} and {same[0]} both given: they say the same thing, give one")

@@ -75,7 +75,8 @@ class DesignWords:
         str | None,
         typer.Option(
             metavar="LENGTH",
-            help="Width of a camera's body: two do not fit closer; 29 mm are usual for C mounts.",
+            help="Width of a camera's body: two do not fit closer. By default that of a usual camera "
+            "with the --sensor, where it is known; 0 for none.",
         ),
     ] = None
     resolution: Annotated[

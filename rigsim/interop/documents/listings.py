@@ -64,6 +64,10 @@ class PublishedSensor(Part):
     """Whether all rows are exposed at once or one after the other; null where no source was found."""
     shutter_source: str
     """Where the shutter comes from; why there is none, where it is null."""
+    body_width_mm: float | None
+    """How wide the body of a usual camera is, mm; null where no source was found."""
+    body_width_source: str | None
+    """Which camera, and where that is published."""
 
 
 class ScenesDocument(Part):
@@ -167,6 +171,10 @@ def scenes_document(
                 noise_source=sensor.noise_source or None,
                 shutter=sensor.shutter,
                 shutter_source=sensor.shutter_source,
+                body_width_mm=None if sensor.housing is None else sensor.housing.width_mm,
+                body_width_source=None
+                if sensor.housing is None
+                else f"{sensor.housing.camera}: {sensor.housing.source}",
             )
             for sensor in sensors
         ],

@@ -41,6 +41,7 @@ def sentences(design: Design, proofs: Sequence[Proof]) -> tuple[str, ...]:
         f"The recommended baseline is {plain(pick.margin * 100, 2)} % from its nearest limit"
         + ("; the interval is too narrow for more." if pick.is_tight else "."),
         _budget(pick, design.specification),
+        *([f"{words.body(pick.camera)}."] if pick.camera.body_m else []),
     ]
     if not proofs:
         said.append("Not verified: formulas only, no proof was asked for.")
@@ -97,7 +98,7 @@ def requirement_rows(design: Design, proofs: Sequence[Proof]) -> list[tuple[str,
     pick = recommended(design, proofs)
     spec = design.specification
     rows: list[tuple[str, ...]] = []
-    for asked in spec.requirements:
+    for asked in spec.asked_of(pick.camera):
         held = held_to(asked, pick, proofs)
         formula = achieved_value(asked, pick, spec)
         told = verdict(asked, pick, proofs, spec)
@@ -122,7 +123,8 @@ REQUIREMENT_HEADS = ("requirement", "asked for", "formula", "simulated", "measur
 def shown_by_words(design: Design, proofs: Sequence[Proof]) -> str:
     """How the simulated values were found, in a sentence; empty without a proof."""
     pick = recommended(design, proofs)
-    checks = [held for asked in design.specification.requirements if (held := held_to(asked, pick, proofs))]
+    asked_of_it = design.specification.asked_of(pick.camera)
+    checks = [held for asked in asked_of_it if (held := held_to(asked, pick, proofs))]
     if not checks:
         return ""
     found = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -38,7 +39,7 @@ def region_figure(design: Design, pick: Candidate) -> Figure:
     """Baselines against focal lengths for the pick's image size, with each requirement's line."""
     spec, chip = design.specification, pick.camera
     f = np.geomspace(chip.focal_px / _SPAN, chip.focal_px * _SPAN, 241)
-    cameras = [Camera(chip.width_px, chip.height_px, float(focal)) for focal in f]
+    cameras = [replace(chip, focal_px=float(focal)) for focal in f]
     intervals = [baseline_interval(camera, spec.requirements, spec.noise_px) for camera in cameras]
     low_mm = pick.interval.lower.baseline_m * 1e3 / 2.5
     high_mm = max(pick.interval.upper.baseline_m, pick.baseline_m) * 1e3 * 2.5
@@ -106,7 +107,7 @@ def _limit_lines(
     """Each requirement's line over focal lengths, where it lies within the figure, and its dashes."""
     f = np.array([camera.focal_px for camera in cameras])
     lines: list[tuple[Named, Dash]] = []
-    for place, asked in enumerate(spec.requirements):
+    for place, asked in enumerate(spec.asked_of(chip)):
         if asked.kind == "pixels":
             continue
         color, dash = style.LINES[place % len(style.LINES)], _DASHES[place % len(_DASHES)]

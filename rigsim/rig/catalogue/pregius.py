@@ -6,6 +6,7 @@ Electrons of one camera measured in dB win over rounded numbers of another.
 
 from __future__ import annotations
 
+from rigsim.rig.catalogue.housings import UP_TO_ONE_INCH, basler_housing
 from rigsim.rig.catalogue.sensor_preset import SensorPreset
 from rigsim.rig.catalogue.sensor_sources import ALVIUM, CA_SF, alvium_emva, basler, flir
 
@@ -29,6 +30,7 @@ PREGIUS: tuple[SensorPreset, ...] = (
         "fhotolab.fherb.de/2016/09/07 on the IMX174, EMVA 1288: saturation 32691 e-, dark noise 6.83 e-",
         "global",
         ALVIUM,
+        UP_TO_ONE_INCH,
     ),
     SensorPreset(
         "imx252",
@@ -43,6 +45,7 @@ PREGIUS: tuple[SensorPreset, ...] = (
         "",
         "global",
         flir("BFS-U3-32S4"),
+        UP_TO_ONE_INCH,
     ),
     SensorPreset(
         "imx255",
@@ -71,6 +74,7 @@ PREGIUS: tuple[SensorPreset, ...] = (
         alvium_emva("C-319m", "saturation 10400 e-, dark noise 2.1 e-"),
         "global",
         _IMX265,
+        basler_housing("acA2040-55uc"),
     ),
     SensorPreset(
         "imx267",
@@ -85,6 +89,7 @@ PREGIUS: tuple[SensorPreset, ...] = (
         "",
         "global",
         _IMX267,
+        basler_housing("acA4096-30uc", 40.0),
     ),
     SensorPreset(
         "imx273",
@@ -100,6 +105,7 @@ PREGIUS: tuple[SensorPreset, ...] = (
         " (Allied Vision gives 10400 e- and 2.1 e-)",
         "global",
         _IMX273,
+        basler_housing("acA1440-220uc"),
     ),
     SensorPreset(
         "imx287",
@@ -115,6 +121,7 @@ PREGIUS: tuple[SensorPreset, ...] = (
         " ten times what its own dynamic range of 74 dB allows",
         "global",
         flir("BFS-U3-04S2"),
+        UP_TO_ONE_INCH,
     ),
     SensorPreset(
         "imx304",
@@ -143,6 +150,7 @@ PREGIUS: tuple[SensorPreset, ...] = (
         alvium_emva("C-240m", "saturation 10400 e-, dark noise 2.1 e-"),
         "global",
         _IMX392,
+        basler_housing("daA1920-160um"),
     ),
     SensorPreset(
         "imx430",
@@ -157,6 +165,7 @@ PREGIUS: tuple[SensorPreset, ...] = (
         "",
         "global",
         flir("BFS-U3-19S4"),
+        UP_TO_ONE_INCH,
     ),
 )
 """Of the first three generations."""

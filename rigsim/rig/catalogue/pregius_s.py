@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rigsim.rig.catalogue.housings import UP_TO_ONE_INCH
 from rigsim.rig.catalogue.sensor_preset import SensorPreset
 from rigsim.rig.catalogue.sensor_sources import ALVIUM, CA_GT, CA_GX, alvium_emva, flir
 
@@ -108,6 +109,7 @@ PREGIUS_S: tuple[SensorPreset, ...] = (
         f"{CA_GX}, EMVA 1288: SNR_max 39.7 dB, DR 69.9 dB {_ALVIUM_SAYS}",
         "global",
         CA_GX,
+        UP_TO_ONE_INCH,
     ),
     SensorPreset(
         "imx547",
@@ -122,6 +124,7 @@ PREGIUS_S: tuple[SensorPreset, ...] = (
         f"{CA_GX}, EMVA 1288: SNR_max 39.7 dB, DR 69.9 dB {_ALVIUM_SAYS}",
         "global",
         CA_GX,
+        UP_TO_ONE_INCH,
     ),
 )
 """By their numbers."""

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from rigsim.errors import InvalidRig
+from rigsim.rig.catalogue.housings import Housing
 from rigsim.rig.sensor import Sensor
 
 Shutter = Literal["global", "rolling"]
@@ -44,6 +45,8 @@ class SensorPreset:
     """Whether all rows are exposed at once or one after the other; None when no source was found."""
     shutter_source: str
     """Where the shutter comes from; why there is none, where there is none."""
+    housing: Housing | None = None
+    """A usual camera's body; None when no source was found."""
 
     @property
     def sensor_width_mm(self) -> float:

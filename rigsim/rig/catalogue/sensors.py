@@ -6,6 +6,7 @@ Sony's global shutters of machine vision have modules of their own, `pregius` an
 from __future__ import annotations
 
 from rigsim.errors import InvalidRig
+from rigsim.rig.catalogue.housings import CA_SF1, PI_HQ, PI_MODULE, UP_TO_ONE_INCH, basler_housing
 from rigsim.rig.catalogue.pregius import PREGIUS
 from rigsim.rig.catalogue.pregius_s import PREGIUS_S
 from rigsim.rig.catalogue.sensor_preset import SensorPreset
@@ -33,8 +34,36 @@ _MT9M034 = f"{CA_SF}, mvBlueFOX3-1012d"
 SENSORS: dict[str, SensorPreset] = {
     preset.name: preset
     for preset in (
-        SensorPreset("imx219", "Sony", 3280, 2464, 1.12, 10, None, None, ALLSKY, "", "rolling", RASPBERRY_PI),
-        SensorPreset("imx296", "Sony", 1456, 1088, 3.45, 10, None, None, ALLSKY, "", "global", RASPBERRY_PI),
+        SensorPreset(
+            "imx219",
+            "Sony",
+            3280,
+            2464,
+            1.12,
+            10,
+            None,
+            None,
+            ALLSKY,
+            "",
+            "rolling",
+            RASPBERRY_PI,
+            PI_MODULE,
+        ),
+        SensorPreset(
+            "imx296",
+            "Sony",
+            1456,
+            1088,
+            3.45,
+            10,
+            None,
+            None,
+            ALLSKY,
+            "",
+            "global",
+            RASPBERRY_PI,
+            PI_HQ,
+        ),
         SensorPreset(
             "imx477",
             "Sony",
@@ -49,6 +78,7 @@ SENSORS: dict[str, SensorPreset] = {
             "strollswithmydog.com/pi-hq-cam-sensor-performance",
             "rolling",
             RASPBERRY_PI,
+            PI_HQ,
         ),
         SensorPreset("ar0234", "onsemi", 1920, 1200, 3.0, 10, None, None, LUXONIS, "", "global", LUXONIS),
         SensorPreset("ov9282", "OmniVision", 1280, 800, 3.0, 10, None, None, LUXONIS, "", "global", LUXONIS),
@@ -65,6 +95,7 @@ SENSORS: dict[str, SensorPreset] = {
             "Raspberry Pi camera module v1 technical specification (well capacity 4.3 ke-)",
             "rolling",
             "Raspberry Pi camera module v1 technical specification",
+            PI_MODULE,
         ),
         SensorPreset(
             "imx264",
@@ -79,6 +110,7 @@ SENSORS: dict[str, SensorPreset] = {
             "the same file: read noise 2.30 e-, gain 5.882 levels of 16 bits per electron (65535 / 5.882 e-)",
             "global",
             ALVIUM,
+            UP_TO_ONE_INCH,
         ),
         SensorPreset(
             "imx250",
@@ -94,6 +126,7 @@ SENSORS: dict[str, SensorPreset] = {
             "Genie Nano M2450 manual gives 10.7 ke-)",
             "global",
             MATRIX_VISION,
+            UP_TO_ONE_INCH,
         ),
         SensorPreset(
             "imx249",
@@ -108,6 +141,7 @@ SENSORS: dict[str, SensorPreset] = {
             f"{MATRIX_VISION}, mvBlueFOX3-2024a, EMVA 1288: SNR 45.1 dB, DR 73 dB",
             "global",
             MATRIX_VISION,
+            UP_TO_ONE_INCH,
         ),
         SensorPreset(
             "mt9m031",
@@ -122,6 +156,7 @@ SENSORS: dict[str, SensorPreset] = {
             "Balluff BVS CA-SF manual, mvBlueFOX3-1012b, EMVA 1288: SNR_max 37.4 dB, DR 54.3 dB",
             "global",
             "Balluff BVS CA-SF manual, mvBlueFOX3-1012b",
+            CA_SF1,
         ),
         SensorPreset(
             "imx178",
@@ -136,6 +171,7 @@ SENSORS: dict[str, SensorPreset] = {
             "",
             "rolling",
             _IMX178,
+            UP_TO_ONE_INCH,
         ),
         SensorPreset(
             "imx226",
@@ -150,6 +186,7 @@ SENSORS: dict[str, SensorPreset] = {
             "",
             "rolling",
             f"{_IMX226}; {flir('BFS-U3-120S4')} adds a global reset",
+            basler_housing("acA4024-29uc"),
         ),
         SensorPreset(
             "imx290",
@@ -251,6 +288,7 @@ SENSORS: dict[str, SensorPreset] = {
             f"{_MT9M034}, EMVA 1288: SNR_max 37.7 dB, DR 63.4 dB",
             "rolling",
             _MT9M034,
+            CA_SF1,
         ),
         *PREGIUS,
         *PREGIUS_S,

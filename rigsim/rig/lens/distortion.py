@@ -68,9 +68,9 @@ class BrownConrady(Lens):
             return shown
         shown = shown & polynomial.is_one_to_one(self.coefficients, normalized)
         for dip2 in undistortion.dips2(self):
-            with np.errstate(divide="ignore", invalid="ignore"):
+            with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
                 at_dip = normalized * np.sqrt(dip2 / r2)[..., None]
-            shown &= (r2 <= dip2) | polynomial.is_one_to_one(self.coefficients, at_dip)
+                shown &= (r2 <= dip2) | polynomial.is_one_to_one(self.coefficients, at_dip)
         return shown
 
     def undistort(self, distorted: Array) -> Array:

@@ -202,7 +202,7 @@ def _prove(candidate: Candidate, design: Design, room: Room, noise: PixelNoise) 
         measured=matches,
     )
     rng = room.plan.stream("percentile", room.plan.scene, sight.rig, repr(noise))
-    checks = tuple(check(asked, sight, rng) for asked in design.specification.requirements)
+    checks = tuple(check(asked, sight, rng) for asked in design.specification.asked_of(camera))
     unseen = Objection("nothing-seen", cause=trial.why)
     return Proof(
         candidate,

@@ -33,6 +33,7 @@ from rigsim.theory.inverse import (
     Camera,
     Interval,
     Requirement,
+    asked_of,
     baseline_interval,
     disparity_std_px,
     relaxations,
@@ -93,6 +94,10 @@ class Specification:
     def disparity_std_px(self) -> float:
         """Standard deviation of a disparity, px."""
         return disparity_std_px(self.noise_px)
+
+    def asked_of(self, camera: Camera) -> tuple[Requirement, ...]:
+        """All requirements of a rig with that camera, whose body is one more where it is known."""
+        return asked_of(camera, self.requirements)
 
 
 @dataclass(frozen=True, slots=True)
@@ -276,7 +281,10 @@ def _why_not(specification: Specification, intervals: Sequence[Interval]) -> str
     if ways:
         ends = [interval for interval in intervals if interval.camera == ways[0].camera]
         advice = "; or ".join(words.relaxation(way, noise_px) for way in ways[:3])
-        return f"no rig meets all requirements: {_collision(ends[0])}; relax one: {advice}"
+        bodies = [
+            way.camera for way in ways[:3] if way.requirement and way.requirement.kind == "min_baseline"
+        ]
+        return f"no rig meets all requirements: {_collision(ends[0])}; relax one: {advice}{_assumed(bodies)}"
     fitting = [interval for interval in intervals if not interval.failed]
     if not fitting:
         failed = dict.fromkeys(requirement for interval in intervals for requirement in interval.failed)
@@ -288,9 +296,15 @@ def _why_not(specification: Specification, intervals: Sequence[Interval]) -> str
     nearest = min(fitting, key=lambda interval: _gap(interval))
     return (
         f"no rig meets all requirements: {_collision(nearest)}; no single requirement would do, relax one "
-        f"that asks for a longer baseline ({_kinds(asked, True)}) and one that limits it "
-        f"({_kinds(asked, False)})"
+        f"that asks for a longer baseline ({_kinds(nearest.camera, asked, True)}) and one that limits it "
+        f"({_kinds(nearest.camera, asked, False)}){_assumed([nearest.camera])}"
     )
+
+
+def _assumed(cameras: Sequence[Camera]) -> str:
+    """Whose bodies were assumed to keep two cameras apart; nothing where none were."""
+    says = dict.fromkeys(words.body(camera) for camera in cameras if camera.body_m)
+    return f" ({'; '.join(says)})" if says else ""
 
 
 def _collision(interval: Interval) -> str:
@@ -309,10 +323,10 @@ def _gap(interval: Interval) -> float:
     return interval.lower.baseline_m / high if high > 0 else math.inf
 
 
-def _kinds(asked: Sequence[Requirement], lower: bool) -> str:
+def _kinds(camera: Camera, asked: Sequence[Requirement], lower: bool) -> str:
     names = [
         words.name(requirement)
-        for requirement in asked
+        for requirement in asked_of(camera, asked)
         if (requirement.kind in LOWER) is lower and requirement.kind not in (*GATES, "far_disparity")
     ]
     return ", ".join(dict.fromkeys(names))

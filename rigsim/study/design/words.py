@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from rigsim.rig import digits as digits_of
+from rigsim.rig.catalogue.sensors import sensor_preset
 from rigsim.theory.inverse import Camera, Relaxation, Requirement
 from rigsim.theory.inverse_error import P95_OVER_STD
 
@@ -90,6 +91,17 @@ def camera(which: Camera) -> str:
     return (
         f"{lens}{which.width_px}x{which.height_px} px, focal length {which.focal_px:.4g} px, "
         f"{math.degrees(which.hfov_rad):.3g}° wide"
+    )
+
+
+def body(which: Camera) -> str:
+    """Whose width keeps two cameras apart where none was said: an assumption, with its source."""
+    housing = sensor_preset(which.sensor).housing
+    if housing is None:
+        return ""
+    return (
+        f"{which.sensor.upper()} cameras are taken to be {size(which.body_m)} wide, as is {housing.camera} "
+        f"({housing.source}); --body-width says another width, 0 none"
     )
 
 

@@ -16,6 +16,7 @@ from rigsim.interop.documents.design.models import (
     DesignDocument,
     DesignTolerance,
     Feasible,
+    Housing,
     Kind,
     Preference,
     Proved,
@@ -25,6 +26,7 @@ from rigsim.interop.documents.design.models import (
 )
 from rigsim.interop.documents.text import clean
 from rigsim.interop.documents.tolerance import quantities_part, required_part
+from rigsim.rig.catalogue.sensors import sensor_preset
 from rigsim.study.design import words as labels
 from rigsim.study.design.buildable import smallest_resolution
 from rigsim.study.design.help import Attempt
@@ -88,7 +90,8 @@ def design_document(
             **_class(tolerance),
         ),
         binding=Binding(shortest=_bound(pick.interval.lower), longest=_bound(pick.interval.upper)),
-        requirements=[_achieved(asked, pick, design, proofs) for asked in spec.requirements],
+        housing=_housing(pick),
+        requirements=[_achieved(asked, pick, design, proofs) for asked in spec.asked_of(pick.camera)],
         range_mm=(clean(spec.near_m * 1e3), clean(spec.far_m * 1e3)),
         build_share=clean(spec.build_share),
         noise_px=clean(spec.noise_px),
@@ -191,6 +194,13 @@ def _camera(interval: Interval) -> dict[str, Any]:
         "sensor": camera.sensor or None,
         "focal_mm": None if camera.focal_mm is None else clean(camera.focal_mm),
     }
+
+
+def _housing(pick: Picked) -> Housing | None:
+    housing = sensor_preset(pick.camera.sensor).housing if pick.camera.body_m else None
+    if housing is None:
+        return None
+    return Housing(width_mm=housing.width_mm, camera=housing.camera, source=housing.source)
 
 
 def _feasible(interval: Interval) -> Feasible:

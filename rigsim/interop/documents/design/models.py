@@ -75,6 +75,17 @@ class Recommended(Candidate):
     """What limits that yield: a quantity, by its key as in `tolerance.quantities`, or `noise`."""
 
 
+class Housing(Part):
+    """A camera body that was assumed: two cameras do not stand closer than it is wide."""
+
+    width_mm: float
+    """Its width, mm."""
+    camera: str
+    """Whose."""
+    source: str
+    """Where that is published."""
+
+
 class Proved(Candidate):
     """A rig that was rendered and simulated."""
 
@@ -221,6 +232,8 @@ class DesignDocument(Part):
 
     recommended: Recommended
     binding: Binding
+    housing: Housing | None
+    """What stands for the recommended rig's cameras; null where their width was said, or is not known."""
     requirements: list[Achieved]
     """Those asked for and those implied."""
     range_mm: tuple[float, float]
