@@ -130,7 +130,7 @@ class Toleranced(Result):
 
     def document(self, written: Written | None = None) -> Mapping[str, Any]:
         """The study; docs/reference/tolerance.md says what the keys mean."""
-        from rigsim.interop.documents.tolerance import tolerance_document
+        from rigsim.interop.documents.tolerance.document import tolerance_document
         from rigsim.present.tolerance import words
 
         return tolerance_document(self.result, words, self.remarks, self.golden)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from rigsim.interop.documents.compare import Row
-from rigsim.interop.documents.tolerance import Quantity
+from rigsim.interop.documents.tolerance.models import Quantity
 from rigsim.present.compare.console import HEADS
 from rigsim.study.compare import columns as compare
 from rigsim.study.measure import columns as measure

@@ -25,7 +25,7 @@ from rigsim.interop.documents.measure.models import MeasureDocument
 from rigsim.interop.documents.points import CalcPointsDocument
 from rigsim.interop.documents.render import RenderDocument
 from rigsim.interop.documents.sweep import SweepDocument
-from rigsim.interop.documents.tolerance import ToleranceDocument
+from rigsim.interop.documents.tolerance.models import ToleranceDocument
 from rigsim.interop.documents.verify import VerifyDocument
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"

@@ -25,7 +25,7 @@ from rigsim.interop.documents.design.models import (
     Unit,
 )
 from rigsim.interop.documents.text import clean
-from rigsim.interop.documents.tolerance import quantities_part, required_part
+from rigsim.interop.documents.tolerance.document import quantities_part, required_part
 from rigsim.rig.catalogue.sensors import sensor_preset
 from rigsim.study.design import words as labels
 from rigsim.study.design.buildable import smallest_resolution

@@ -7,7 +7,7 @@ from typing import Literal
 from pydantic import Field
 
 from rigsim.interop.documents.base import Golden, Part, SeenRig
-from rigsim.interop.documents.tolerance import Quantity, Required
+from rigsim.interop.documents.tolerance.models import Quantity, Required
 from rigsim.theory.inverse import RequirementKind
 
 Kind = RequirementKind

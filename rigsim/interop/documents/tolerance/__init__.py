@@ -1,0 +1,1 @@
+"""What `rigsim tolerance --json` prints and tolerance.json holds."""
