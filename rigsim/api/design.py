@@ -233,7 +233,7 @@ def _designed(options: DesignOptions) -> Designed:
         place = Place(scene, options.seed, options.renderer, options.measure)
         found, proofs, remarks = try_out(specification, cameras, options.prefer, place, fits, measures_noise)
     pick = recommended(found, proofs)
-    remarks = (*remarks, *view_remarks(found, pick))
+    remarks = (*remarks, *view_remarks(found, pick, options.cover_at_m is None))
     held = design_tolerance(found.specification, pick, options.seed, found.candidates)
     told = has_own_noise(pick.camera.sensor, optics) or options.blur_px is not None
     sensor = fits[pick.camera.sensor, pick.camera.merged].sensor if told else None

@@ -13,6 +13,7 @@ from rigsim.api.result import Result
 from rigsim.api.rigs import RigLike, read_rig
 from rigsim.rig import given
 from rigsim.rig.noise import PixelNoise, as_noise, coordinate_noise_px
+from rigsim.rig.quantity import NOISE_PX
 from rigsim.rig.remark import Remark
 
 if TYPE_CHECKING:
@@ -125,7 +126,7 @@ def triangulate_points(
     from rigsim.study.calc.points import pair_points, pair_remarks
 
     said = coordinate_noise_px(noise_px, disparity_noise_px)
-    noise, read = as_noise(0.25 if said is None else said), read_rig(rig)
+    noise, read = as_noise(NOISE_PX if said is None else said), read_rig(rig)
     is_path = isinstance(pairs, str | os.PathLike)
     table = read_pairs(given.path(pairs, "pairs")) if is_path else pairs_from(pairs)
     found = pair_points(read, table.uv, noise)

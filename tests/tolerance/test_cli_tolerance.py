@@ -98,7 +98,9 @@ def test_a_time_offset_takes_every_motion(capsys: pytest.CaptureFixture[str]) ->
     assert carried["quantities"][0]["common_mm"] == pytest.approx(-5 / 0.12)
     assert document(capsys, *words)["quantities"][0]["common_mm"] == pytest.approx(5 / 0.12)
     assert run(["tolerance", *words, "--forward-speed", "-2", "--turn-rate", "30"]) == 0
-    says = "During a time offset the object moves at -2 m/s straight ahead, and the rig turns at 30 deg/s."
+    says = (
+        "During a time offset the object moves at -2 m/s straight ahead, and the rig turns right at 30 deg/s."
+    )
     assert says in " ".join(capsys.readouterr().out.split())
 
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rigsim.cli.calc.motion_words import motion_in_words, motion_sentence
 from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import print_remarks
 from rigsim.cli.kit.facts import Fact, Form, print_facts, show_facts, values
@@ -91,6 +90,7 @@ def motion(options: RigOptions, words: MotionWords, golden: GoldenWords) -> None
 
     import numpy as np
 
+    from rigsim.present.kit.motion import motion_in_words, motion_sentence
     from rigsim.study.calc import motion as study
     from rigsim.study.calc import sight
     from rigsim.theory.uncertainty import predict_depth_std

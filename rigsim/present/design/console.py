@@ -69,10 +69,11 @@ def _smallest(design: Design, pick: Candidate) -> list[str]:
     """The smallest resolution that would do, where several were tried."""
     if not leaves_resolution_open(design):
         return []
-    built = ": 95 of 100 built rigs should hold it" if design.preference == "buildable" else ""
+    rigs = f"95 of 100 {design.specification.builder.class_name} rigs, as built or recalibrated,"
+    built = f": {rigs} should hold it" if design.preference == "buildable" else ""
     found = smallest_resolution(design)
     if found is None:
-        return ["At no resolution tried should 95 of 100 built rigs hold it."]
+        return [f"At no resolution tried should {rigs} hold it."]
     size = f"{found.camera.width_px}x{found.camera.height_px} px"
     if found.camera.pixels == pick.camera.pixels:
         return [f"By formula no smaller resolution than {size} will do{built}."]

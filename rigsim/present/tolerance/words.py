@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from rigsim.present.kit.format import sampled_percent
+from rigsim.present.kit.motion import moves
 from rigsim.rig.arrays import Mask
 from rigsim.rig.digits import short
+from rigsim.rig.motion import Motion
 from rigsim.study.tolerance.inputs import QUANTITIES
 from rigsim.study.tolerance.run import ToleranceResult
 
@@ -127,16 +131,12 @@ def motion_sentence(result: ToleranceResult) -> str:
     held = result.tolerances
     if not held.time_offset_ms:
         return ""
-    parts = [
-        f"{speed:g} m/s {way}"
-        for speed, way in (
-            (held.speed_m_s, "along the baseline"),
-            (held.forward_speed_m_s, "straight ahead"),
-        )
-        if speed
-    ]
-    moves = [f"the {held.moving} moves at {' and '.join(parts)}"] if parts else []
-    if held.turn_rate_deg_s:
-        moves.append(f"the rig turns at {held.turn_rate_deg_s:g} deg/s")
-    said = ", and ".join(moves) or "nothing moves"
+    motion = Motion(
+        held.time_offset_ms / 1e3,
+        held.speed_m_s,
+        held.forward_speed_m_s,
+        math.radians(held.turn_rate_deg_s),
+        held.moving,
+    )
+    said = ", and ".join(moves(motion)) or "nothing moves"
     return f"During a time offset {said}."

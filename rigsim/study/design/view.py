@@ -14,9 +14,9 @@ _NARROW_RAD = math.radians(30)
 _VIEWS = ("fov", "vfov", "cover", "cover_height")
 
 
-def view_remarks(design: Design, pick: Candidate) -> Iterator[Remark]:
-    """Where nobody asked what must be seen and a long lens won; where what is to be covered is asked for at
-    the far end, where most is seen, and is not covered at the near one."""
+def view_remarks(design: Design, pick: Candidate, covers_far: bool) -> Iterator[Remark]:
+    """Where nobody asked what must be seen and a long lens won; where what is to be covered is taken to be
+    asked for at the far end (`covers_far`), where most is seen, and is not covered at the near one."""
     spec = design.specification
     asked = [one for one in spec.requirements if one.kind in _VIEWS]
     lenses = {round(one.camera.hfov_rad, 6) for one in design.intervals}
@@ -27,7 +27,7 @@ def view_remarks(design: Design, pick: Candidate) -> Iterator[Remark]:
             "and long lenses measure best; --fov or --cover say what must be seen",
         )
     for one in asked:
-        if one.kind == "cover" and one.depth_m >= spec.far_m and spec.near_m < spec.far_m:
+        if covers_far and one.kind == "cover":
             near = replace(one, depth_m=spec.near_m)
             seen = near.achieved(pick.camera, pick.baseline_m, spec.disparity_std_px)
             if not near.is_met(seen):

@@ -83,7 +83,7 @@ def look(simulator: Simulator, rig: StereoRig, plan: Plan, with_pictures: bool =
     lenses = dict.fromkeys(without_noise(sensor) for sensor in plan.sensors.values())
     distortions = [lens.distortion for lens in lenses]
     distortions += [true_rig.left.distortion, true_rig.right.distortion]
-    if not with_pictures and not any(distortions):
+    if not with_pictures and all(one is None for one in distortions):
         simulator.check(plan.supersample)
         return Look({}, truth)
     exposures = {lens: expose_pair(simulator, true_rig, lens, plan.supersample) for lens in lenses}

@@ -122,17 +122,14 @@ def nearest_miss(best: Sequence[int], held: Sequence[RowsHeld]) -> int | None:
     return min(over, key=lambda i: over[i]) if over else None
 
 
-def answer_first(
-    rows: pd.DataFrame, best: Sequence[int], held: Sequence[RowsHeld]
-) -> tuple[tuple[int, ...], int | None]:
+def answer_first(rows: pd.DataFrame, best: Sequence[int], held: Sequence[RowsHeld]) -> tuple[int, ...]:
     """The places of the rows, best first, where something is asked: before all others the row to take or,
-    where none is, the one nearest to it; and which that is, None where none says anything."""
-    first = take(rows, best, held) if held else None
-    if first is None and held:
-        first = nearest_miss(best, held)
-    if first is None:
-        return tuple(best), None
-    return (first, *(place for place in best if place != first)), first
+    where none is, the one nearest to it."""
+    if not held:
+        return tuple(best)
+    taken = take(rows, best, held)
+    first = nearest_miss(best, held) if taken is None else taken
+    return tuple(best) if first is None else (first, *(place for place in best if place != first))
 
 
 @dataclass(frozen=True, slots=True)

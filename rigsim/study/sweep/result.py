@@ -36,7 +36,8 @@ class SweepResult:
     """The axes that were varied, as columns of `AXES`; dependent ones (focal_px when the resolution
     grows behind a fixed lens) are left out."""
     best: tuple[int, ...]
-    """Places in `rows` of the best configurations, best first."""
+    """Places in `rows` of the best configurations, best first; where something is required, first of all the
+    one that meets it, or comes nearest."""
     limits: tuple[Limit, ...]
     """What limits each row, in the order of `rows`: "pixel noise", "overlap", ..."""
     lens_held: Held

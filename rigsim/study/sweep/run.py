@@ -178,7 +178,7 @@ def _conclude(
         why = "; ".join(list(reasons)[:3])
         raise InvalidScene(f"{where}no rig has a result ({why}): {advise(simulator, done.rigs, plan)}")
     held = hold_rows(table, depth_table, require)
-    order, _ = answer_first(table, order, held)
+    order = answer_first(table, order, held)
     first = (col.BASELINE, col.HFOV, col.WIDTH) if lens_held else AXES
     swept = swept_axes(table, tuple(dict.fromkeys((*plan.asked, *first))))
     per_rig = len(plan.noises) * len(plan.triangulators) * len(plan.sensors)

@@ -198,7 +198,7 @@ def no_rows() -> tuple[pd.DataFrame, pd.DataFrame]:
 def asked(*required: DepthRequirement, **made: Any) -> SweepResult:
     result = make_result((50, 100, 200), n_points=400, **made)
     held = hold_rows(result.rows, result.by_depth, required)
-    best, _ = answer_first(result.rows, result.best, held)
+    best = answer_first(result.rows, result.best, held)
     return dataclasses.replace(result, requirements=held, best=best)
 
 

@@ -1,19 +1,16 @@
-"""What a time offset does, in words."""
+"""What moves during a time offset, and what that does, in words."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from rigsim.rig.motion import Motion
-    from rigsim.study.calc.motion import MotionAt
+from rigsim.present.kit.format import length_mm, number
+from rigsim.rig.motion import Motion
+from rigsim.study.calc.motion import MotionAt
 
 
 def motion_sentence(found: MotionAt, motion: Motion, depth_mm: float, seen: bool) -> str:
     """The answer: how wrong the depth is, by how much of disparity and rows, and about what the rig turns."""
-    from rigsim.present.kit.format import length_mm, number
-
     at = f"At {length_mm(depth_mm)}"
     shifts = (
         f"the disparity is off by {_signed(-found.along_px)} px and the rows by {_signed(found.across_px)} px"
@@ -41,8 +38,8 @@ def motion_sentence(found: MotionAt, motion: Motion, depth_mm: float, seen: bool
     return says
 
 
-def motion_in_words(motion: Motion) -> str:
-    """The motion, and the pictures' offset."""
+def moves(motion: Motion) -> list[str]:
+    """What moves, and how: empty for nothing."""
     speeds = [
         f"{speed:g} m/s {way}"
         for speed, way in (
@@ -55,13 +52,16 @@ def motion_in_words(motion: Motion) -> str:
     if motion.turn_rate_rad_s:
         side = "right" if motion.turn_rate_rad_s > 0 else "left"
         said.append(f"the rig turns {side} at {abs(math.degrees(motion.turn_rate_rad_s)):g} deg/s")
+    return said
+
+
+def motion_in_words(motion: Motion) -> str:
+    """The motion, and the pictures' offset."""
     when = f"the right picture {abs(motion.time_offset_s) * 1e3:g} ms"
     when += " earlier" if motion.time_offset_s < 0 else " later"
-    return f"{', '.join(said) or 'nothing moves'}; {when}"
+    return f"{', '.join(moves(motion)) or 'nothing moves'}; {when}"
 
 
 def _signed(value: float) -> str:
-    from rigsim.present.kit.format import number
-
     text = number(value)
     return f"+{text}" if value > 0 and text[0].isdigit() else text
