@@ -8,13 +8,14 @@ from typing import Annotated
 
 import typer
 
-from rigsim.cli.kit import lists, quantity
+from rigsim.cli.kit import lists
 from rigsim.cli.kit.answer import claim, command, deliver, quiet
 from rigsim.cli.kit.options import Json, takes, takes_rig
 from rigsim.cli.kit.progress import stages
-from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
 from rigsim.cli.kit.triangulators import TIMEOUT, InProcess
 from rigsim.cli.kit.triangulators import words as split
+from rigsim.typed import quantity
+from rigsim.typed.rigs import DEFAULT_PRESET, RigOptions
 
 _NOISE = replace(quantity.NOISE, at_least=None, above=0)
 _DISPARITY_NOISE = replace(quantity.DISPARITY_NOISE, at_least=None, above=0)

@@ -9,12 +9,13 @@ from typing import Annotated
 
 import typer
 
-from rigsim.cli.kit import lists, quantity
+from rigsim.cli.kit import lists
 from rigsim.cli.kit.answer import command, deliver, quiet
-from rigsim.cli.kit.options import Json, single_rig, takes, takes_rig
-from rigsim.cli.kit.rigs import RigOptions
+from rigsim.cli.kit.options import Json, takes, takes_rig
 from rigsim.cli.kit.sensors import Blur, FullWell, ImageNoise, ReadNoise, SensorName, sensor_words
 from rigsim.errors import InvalidRange
+from rigsim.typed import quantity
+from rigsim.typed.rigs import RigOptions, single_rig
 
 app = typer.Typer(
     name="export",

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import claim as claim_folder
 from rigsim.cli.kit.answer import deliver
-from rigsim.cli.kit.options import Json, single_rig, takes, takes_rig
-from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
+from rigsim.cli.kit.options import Json, takes, takes_rig
 from rigsim.errors import InvalidRange
+from rigsim.typed import quantity
+from rigsim.typed.rigs import DEFAULT_PRESET, RigOptions, single_rig
 
 if TYPE_CHECKING:
     from rigsim.api.kit.asked import DepthError

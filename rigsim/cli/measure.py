@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import claim, command, deliver, quiet
-from rigsim.cli.kit.options import Json, single_rig, takes, takes_rig
-from rigsim.cli.kit.rigs import RigOptions
+from rigsim.cli.kit.options import Json, takes, takes_rig
 from rigsim.errors import InvalidRange
+from rigsim.typed import quantity
+from rigsim.typed.rigs import RigOptions, single_rig
 
 if TYPE_CHECKING:
     from rigsim.rig.arrays import AnyImage

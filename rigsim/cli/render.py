@@ -10,7 +10,7 @@ import typer
 
 from rigsim.cli.kit.answer import claim, command, deliver, quiet
 from rigsim.cli.kit.options import Json, takes, takes_rig
-from rigsim.cli.kit.rigs import RigOptions
+from rigsim.typed.rigs import RigOptions
 
 
 @dataclass(frozen=True, slots=True)

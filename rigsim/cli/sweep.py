@@ -13,18 +13,20 @@ import typer
 
 from rigsim import interrupts
 from rigsim.cli.design.asked import depth_error
-from rigsim.cli.kit import lists, quantity
+from rigsim.cli.kit import lists
 from rigsim.cli.kit.answer import claim, command, deliver, quiet
-from rigsim.cli.kit.axes import DISPARITY_NOISE, numbers_of, takes_axes
+from rigsim.cli.kit.axes import DISPARITY_NOISE, takes_axes
 from rigsim.cli.kit.cover import CoverWords
 from rigsim.cli.kit.golden import GoldenWords, held, leave_where_moved
 from rigsim.cli.kit.options import PixelPitch, PresetName, RigFile, SensorWidth, takes
 from rigsim.cli.kit.progress import shown
-from rigsim.cli.kit.rigs import RigOptions
 from rigsim.cli.kit.sensors import Blur, FullWell, ReadNoise, SensorName, sensor_words
 from rigsim.cli.kit.triangulators import TIMEOUT, InProcess
 from rigsim.errors import InvalidRange, TriangulatorError
 from rigsim.study.scene.axes import registry
+from rigsim.typed import quantity
+from rigsim.typed.axes import numbers_of
+from rigsim.typed.rigs import RigOptions
 
 if TYPE_CHECKING:
     from rigsim.api.kit.asked import DepthError

@@ -10,13 +10,14 @@ from typing import Annotated
 
 import typer
 
-from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import claim, deliver
 from rigsim.cli.kit.golden import GoldenWords, held, leave_where_moved
-from rigsim.cli.kit.options import DisparityNoise, Json, pixel_noise, takes, takes_rig
-from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
+from rigsim.cli.kit.options import DisparityNoise, Json, takes, takes_rig
 from rigsim.cli.kit.tolerances import MaxRowError, ToleranceWord, row_error, tolerance_values
 from rigsim.errors import InvalidRange
+from rigsim.typed import quantity
+from rigsim.typed.noise import pixel_noise
+from rigsim.typed.rigs import DEFAULT_PRESET, RigOptions
 
 _LENGTHS = quantity.BASELINE.factors
 _SPEED = quantity.QuantityKind("speed", "m/s", quantity.SPEEDS, at_least=0)

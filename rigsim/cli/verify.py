@@ -8,15 +8,16 @@ from typing import Annotated, Any
 
 import typer
 
-from rigsim.cli.kit import lists, quantity
+from rigsim.cli.kit import lists
 from rigsim.cli.kit.answer import claim, command, deliver, quiet
 from rigsim.cli.kit.golden import GOLDEN, GoldenTolerance, share
 from rigsim.cli.kit.options import Json, takes, takes_rig
 from rigsim.cli.kit.progress import stages
-from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
 from rigsim.cli.kit.triangulators import TIMEOUT, InProcess
 from rigsim.cli.kit.triangulators import words as split
 from rigsim.errors import InvalidRange, OutputError
+from rigsim.typed import quantity
+from rigsim.typed.rigs import DEFAULT_PRESET, RigOptions
 
 FAILED = 3
 """Exit code when a case failed."""

@@ -12,10 +12,10 @@ import typer.main
 
 import rigsim
 from rigsim.cli.app import app
-from rigsim.cli.kit.rigs import RigOptions
 from rigsim.errors import InvalidRange, InvalidRig, OutputError
 from rigsim.interop.formats.registry import RIG_FORMATS, rig_files
 from rigsim.rig.sensor import Sensor
+from rigsim.typed.rigs import RigOptions
 from tests.helpers.cli import rigsim as run
 from tests.helpers.sampling import close
 

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from rigsim.cli.app import run
-from rigsim.cli.kit import quantity
 from rigsim.errors import InvalidRange, InvalidRig, MeasurementFailed
 from rigsim.interop.formats.rig_toml import parse_rig
 from rigsim.interop.formats.values import number, shown
@@ -17,6 +16,7 @@ from rigsim.pixels.dense.dense import dense_disparity
 from rigsim.rig import extent
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
+from rigsim.typed import quantity
 
 REFUSED = [
     ("tolerance --rigs 100000000 --preset boards", "rigs 100000000, about 40 GB: must be <= 1,000,000"),

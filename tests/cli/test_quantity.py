@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rigsim.cli.kit import quantity
-from rigsim.cli.kit.quantity import BASELINE, DEPTH, FOCAL_PX, HFOV, NOISE, PIXEL_PITCH, VERGENCE
 from rigsim.errors import InvalidRange
 from rigsim.rig.quantity import PLAIN
+from rigsim.typed import quantity
+from rigsim.typed.quantity import BASELINE, DEPTH, FOCAL_PX, HFOV, NOISE, PIXEL_PITCH, VERGENCE
 
 
 @pytest.mark.parametrize(

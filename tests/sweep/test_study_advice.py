@@ -8,9 +8,9 @@ from dataclasses import replace
 import pytest
 
 from rigsim import Intrinsics, PixelNoise, Plan, RigGrid, StereoRig, sweep
-from rigsim.cli.kit import quantity
 from rigsim.errors import InvalidScene, RenderUnavailable
 from rigsim.sim.render import check_size
+from rigsim.typed import quantity
 from tests.helpers.scenes import SLANTED, write
 
 LENS = Intrinsics(160, 120, 150.0, 150.0, 79.5, 59.5)

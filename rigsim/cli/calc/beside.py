@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from rigsim.api.calc.fact import Fact, values
 from rigsim.cli.calc.better import Rated, better, modes_of
 from rigsim.cli.kit.answer import print_remarks
-from rigsim.cli.kit.facts import Fact, Form, print_facts, values
+from rigsim.cli.kit.facts import Form, print_facts
 from rigsim.cli.kit.golden import GoldenWords
 
 if TYPE_CHECKING:

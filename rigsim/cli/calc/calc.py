@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from rigsim.api.calc.fact import Assumed, Fact, values
+from rigsim.api.calc.rows import for_people
 from rigsim.cli.calc.beside import At, print_beside, row_of
 from rigsim.cli.calc.limits import limits
 from rigsim.cli.calc.motion import motion
 from rigsim.cli.calc.points import points
-from rigsim.cli.calc.rows import for_people, row_facts
-from rigsim.cli.kit import quantity
 from rigsim.cli.kit.answer import print_remarks
-from rigsim.cli.kit.facts import Fact, Form, print_facts, values
+from rigsim.cli.kit.facts import Form, print_facts
 from rigsim.cli.kit.golden import GoldenWords
 from rigsim.cli.kit.options import (
     Csv,
@@ -25,13 +24,12 @@ from rigsim.cli.kit.options import (
     Markdown,
     Noise,
     Principal,
-    pixel_noise,
-    single_rig,
     takes,
     takes_rig,
 )
-from rigsim.cli.kit.rigs import RigOptions
-from rigsim.errors import RigsimError
+from rigsim.typed import quantity
+from rigsim.typed.noise import pixel_noise
+from rigsim.typed.rigs import RigOptions, single_rig
 
 if TYPE_CHECKING:
     from rigsim.rig.arrays import Array
@@ -91,49 +89,21 @@ def point(options: RigOptions, words: PointWords, golden: GoldenWords) -> None:
     uv_left = quantity.point(words.left, "left position")
     uv_right = quantity.point(words.right, "right position")
 
-    import numpy as np
+    from rigsim.api.calc.point import calc_point
 
-    from rigsim.study.calc import sight
-    from rigsim.theory.triangulation import triangulate
-
-    found = triangulate(rig, [uv_left], [uv_right])[0]
-    if not found[2] > 0:
-        raise RigsimError(_why_no_depth(rig, uv_left[0] - uv_right[0]))
-    uv = np.array(uv_left), np.array(uv_right)
-    seen = sight.sight_of_pixels(rig, *uv, sized=options.has_size)
-    residual = sight.residual_px(rig, found, *uv)
-    about = _about(rig, found, noise, words.disparity_error, seen.by_both)
-    remarks = [
-        *options.mode_remarks(rig),
-        *sight.rig_remarks(rig, sized=options.has_size),
-        *seen.remarks,
-        *sight.residual_remarks(rig, residual, noise, *uv),
-        *about.remarks,
-    ]
-    from_axis = not (options.has_size or words.principal)
-    frame_x, frame_y = ("'s axis, where u = 0", "'s axis, where v = 0") if from_axis else ("", "")
-    x, y, z = (float(value) * 1e3 for value in found)
-    error_x, error_y, error_z = about.errors_mm
-    facts = [
-        Fact("seen_by", "seen by", seen.seen_by, "", _whose(options, "whose image holds its pixel")),
-        Fact("x", "X", x, "mm", f"right of the left camera{frame_x}", error_x),
-        Fact("y", "Y", y, "mm", f"below the left camera{frame_y}", error_y),
-        Fact("z", "Z", z, "mm", "depth, in front of the left camera", error_z),
-        Fact("disparity_px", "disparity", uv_left[0] - uv_right[0], "px", "u left - u right"),
-        *_residual_facts(residual, noise),
-        *about.facts,
-    ]
+    error = words.disparity_error
+    assumed = Assumed(
+        noise,
+        sized=options.has_size,
+        from_axis=not (options.has_size or words.principal),
+        disparity_error_px=None if error is None else quantity.value(error, _ERROR),
+        odd=tuple(options.mode_remarks(rig)),
+    )
+    answer = calc_point(rig, uv_left, uv_right, assumed)
     if words.plot is not None:
-        _draw(words.plot, rig, found[None], noise)
-    origin = "optical axis" if from_axis else "first pixel"
-
-    def document() -> dict[str, Any]:
-        from rigsim.interop.documents.calc import point_document
-
-        return point_document(values(facts), origin, remarks)
-
-    print_remarks(remarks)
-    print_facts(facts, title="Point", form=form, document=document, golden=golden)
+        _draw(words.plot, rig, answer.point_left[None], noise)
+    print_remarks(answer.remarks)
+    print_facts(answer.facts, title="Point", form=form, document=answer.document, golden=golden)
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,125 +166,27 @@ def _depth_at(
     noise: PixelNoise,
 ) -> tuple[list[Fact], list[Remark]]:
     """What is told of one rig at one distance, and what is odd about it."""
-    import numpy as np
-
+    from rigsim.api.calc.depth import calc_depth
     from rigsim.rig.remark import Remark
-    from rigsim.study.calc import sight
-    from rigsim.theory.uncertainty import predict_depth_bias
 
-    on_axis = np.array([0.0, 0.0, depth_mm / 1e3])
-    uv_left, uv_right = rig.project(on_axis[None])
-    seen = sight.sight_of_point(rig, on_axis, sized=options.has_size)
-    about = _about(rig, on_axis, noise, words.disparity_error, seen.by_both)
-    bias_mm = float(predict_depth_bias(rig, on_axis[None], noise)[0]) * 1e3
-    disparity_px = float(uv_left[0, 0] - uv_right[0, 0])
-    facts = [
-        Fact("seen_by", "seen by", seen.seen_by, "", _whose(options, "which cameras see the point")),
-        Fact("z", "Z", depth_mm, "mm", "depth, on the left optical axis", about.errors_mm[2]),
-        Fact("focal_px", "focal length", rig.left.fx, "px", "of the left camera"),
-        Fact("disparity_px", "disparity", _if(seen.by_both, disparity_px), "px", "u left - u right"),
-        *row_facts(rig, depth_mm / 1e3, sized=options.has_size, seen=seen.by_both),
-        *about.facts,
-        Fact(
-            "depth_bias",
-            "depth bias",
-            _if(seen.by_both, bias_mm),
-            "mm",
-            "mean error of many noisy measurements",
-        ),
-    ]
-    remarks = [
-        *options.mode_remarks(rig),
-        *sight.rig_remarks(rig, sized=options.has_size),
-        *seen.remarks,
-        *about.remarks,
-    ]
-    if not (seen.by_both or quantity.UNIT.search(words.z)):
+    error = words.disparity_error
+    assumed = Assumed(
+        noise,
+        sized=options.has_size,
+        disparity_error_px=None if error is None else quantity.value(error, _ERROR),
+        odd=tuple(options.mode_remarks(rig)),
+    )
+    told = calc_depth(rig, depth_mm, assumed)
+    remarks = list(told.remarks)
+    if not (values(told.facts)["seen_by"] == "both" or quantity.UNIT.search(words.z)):
         says = f"depth {words.z} was taken in mm: write {words.z}m if metres are meant"
         remarks.append(Remark("unit", says))
-    return facts, remarks
+    return list(told.facts), remarks
 
 
 app.command()(points)
 app.command()(limits)
 app.command()(motion)
-
-
-class _About(NamedTuple):
-    """What is known about one point's depth."""
-
-    facts: list[Fact]
-    errors_mm: tuple[float, float, float]
-    remarks: list[Remark]
-
-
-def _about(
-    rig: StereoRig, point_left: Array, noise: PixelNoise, disparity_error: str | None, seen: bool
-) -> _About:
-    """Errors of a point (3,) m; NaN unless both cameras see it."""
-    import numpy as np
-
-    from rigsim.study.calc.sight import noise_remarks
-    from rigsim.theory.limits import world_per_pixel_m
-    from rigsim.theory.uncertainty import depth_bounds, predict_covariance
-
-    at = point_left[None]
-    error_px = noise.disparity_std_px
-    if disparity_error is not None:
-        error_px = quantity.value(disparity_error, _ERROR)
-    per_pixel_mm = float(world_per_pixel_m(rig, point_left[2])) * 1e3
-    stds = near = far = math.nan
-    errors_mm = (math.nan, math.nan, math.nan)
-    if seen:
-        near, far = (float(bound[0]) * 1e3 for bound in depth_bounds(rig, at, error_px))
-        x, y, std_mm = (
-            float(value) for value in np.sqrt(np.diag(predict_covariance(rig, at, noise)[0])) * 1e3
-        )
-        stds = std_mm
-        gap = point_left[2] * 1e3 - near
-        errors_mm = (x, y, min((size for size in (std_mm, gap) if size > 0), default=math.nan))
-    off = f"when the disparity is off by {error_px:.4g} px"
-    if not rig.is_rectified:
-        off = f"when both pixels are off by {error_px / math.sqrt(2):.4g} px in all"
-    facts = [
-        Fact("world_per_pixel", "width of a pixel", per_pixel_mm, "mm", "at this depth"),
-        Fact("depth_std", "depth std", stds, "mm", f"for {noise.std_px:g} px of noise per coordinate", stds),
-        Fact("depth_near", "nearest depth", near, "mm", off, errors_mm[2]),
-        Fact("depth_far", "farthest depth", far, "mm", off, errors_mm[2]),
-    ]
-    return _About(facts, errors_mm, list(noise_remarks(rig, point_left, noise)) if seen else [])
-
-
-def _residual_facts(residual: float, noise: PixelNoise) -> list[Fact]:
-    # under a billionth of a pixel there is nothing but rounding
-    residual = residual if residual > 1e-9 else 0.0
-    sigmas = residual / noise.std_px if noise.std_px else math.nan if residual else 0.0
-    return [
-        Fact("residual_px", "residual", residual, "px", "reprojection error of the pixel pair"),
-        Fact("residual_sigma", "residual / noise", sigmas, "", "over 3 is unusual for a matching pair"),
-    ]
-
-
-def _if(told: bool, value: float) -> float:
-    return value if told else math.nan
-
-
-def _whose(options: RigOptions, says: str) -> str:
-    return says if options.has_size else "no --resolution: images without an edge"
-
-
-def _why_no_depth(rig: StereoRig, disparity_px: float) -> str:
-    """What to say of two pixels whose rays meet nowhere in front of the rig."""
-    offset = f" (+ {rig.doffs_px:g} px doffs)" if rig.doffs_px else ""
-    says = f"disparity {disparity_px:g} px{offset}: "
-    if not rig.is_rectified:
-        return (
-            says
-            + "the rays do not meet in front of both cameras; left and right swapped, or a calibration error"
-        )
-    if disparity_px + rig.doffs_px == 0:
-        return says + "must be > 0; the point is at infinity, or a calibration error hides its parallax"
-    return says + "must be > 0; left and right swapped, or a calibration error (principal points, rotation)"
 
 
 def _draw(path: Path, rig: StereoRig, point_left: Array, noise: PixelNoise) -> None:

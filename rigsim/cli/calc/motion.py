@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rigsim.cli.kit import quantity
+from rigsim.api.calc.fact import Fact, values
 from rigsim.cli.kit.answer import print_remarks
-from rigsim.cli.kit.facts import Fact, Form, print_facts, show_facts, values
+from rigsim.cli.kit.facts import Form, print_facts, show_facts
 from rigsim.cli.kit.golden import GoldenWords
 from rigsim.cli.kit.options import (
     Csv,
@@ -18,13 +18,13 @@ from rigsim.cli.kit.options import (
     Json,
     Markdown,
     Noise,
-    pixel_noise,
-    single_rig,
     takes,
     takes_rig,
 )
-from rigsim.cli.kit.rigs import RigOptions
 from rigsim.errors import InvalidRange
+from rigsim.typed import quantity
+from rigsim.typed.noise import pixel_noise
+from rigsim.typed.rigs import RigOptions, single_rig
 
 if TYPE_CHECKING:
     from rigsim.rig.motion import Motion

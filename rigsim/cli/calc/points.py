@@ -18,13 +18,12 @@ from rigsim.cli.kit.options import (
     Markdown,
     Noise,
     Principal,
-    pixel_noise,
-    single_rig,
     takes,
     takes_rig,
 )
-from rigsim.cli.kit.rigs import RigOptions
 from rigsim.errors import OutputError
+from rigsim.typed.noise import pixel_noise
+from rigsim.typed.rigs import RigOptions, single_rig
 
 if TYPE_CHECKING:
     from rigsim.api.triangulate_points import TriangulatedPairs

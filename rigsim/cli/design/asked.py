@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
-from rigsim.cli.kit import quantity
 from rigsim.errors import InvalidRange, InvalidRig
+from rigsim.typed import quantity
 
 if TYPE_CHECKING:
     from rigsim.api.kit.asked import DepthError

@@ -10,7 +10,6 @@ from typing import Annotated, Any, Concatenate, ParamSpec, TypeVar, cast
 
 import typer
 
-from rigsim.cli.kit import quantity
 from rigsim.errors import InvalidRange
 from rigsim.study.scene.axes import registry
 from rigsim.study.scene.axes.axis import Axis
@@ -59,27 +58,6 @@ def takes_axes(command: Callable[Concatenate[Mapping[str, str], _P], _R]) -> Cal
     run.__annotations__ = {item.name: item.annotation for item in parameters}
     vars(run)["__signature__"] = inspect.Signature(parameters)
     return run
-
-
-def numbers_of(typed: Mapping[str, str], axes: Sequence[Axis]) -> dict[str, tuple[float, ...]]:
-    """The numbers of those of `axes` that were typed, by name, in the unit of their kind.
-
-    Raises:
-        InvalidRange: a value cannot be read, or is out of bounds.
-    """
-    return {
-        axis.name: quantity.values(typed[axis.name], axis.kind)
-        for axis in axes
-        if axis.kind is not None and axis.name in typed
-    }
-
-
-def values_of(typed: Mapping[str, str], axes: Sequence[Axis]) -> dict[str, tuple[float, ...]]:
-    """The same as the axes take them."""
-    return {
-        name: tuple(value * registry.BY_NAME[name].scale for value in values)
-        for name, values in numbers_of(typed, axes).items()
-    }
 
 
 def meant(

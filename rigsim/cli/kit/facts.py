@@ -4,34 +4,16 @@ from __future__ import annotations
 
 import csv
 import io
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import typer
 
+from rigsim.api.calc.fact import Fact
 from rigsim.cli.kit.answer import print_document
 from rigsim.cli.kit.golden import GoldenWords, golden_document, leave_where_moved, print_report
 from rigsim.errors import InvalidRange
-
-
-@dataclass(frozen=True, slots=True)
-class Fact:
-    """One number of an answer."""
-
-    key: str
-    """Name for machines."""
-    name: str
-    """Name for people."""
-    value: float | str
-    """The number, or a word; infinite where there is no bound, NaN where there is no answer."""
-    unit: str
-    """Its unit; empty for a ratio."""
-    meaning: str
-    """What it says, in a few words."""
-    error: float = math.nan
-    """How far it may be off, in its unit: people get as many decimals as that has three digits."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,11 +27,6 @@ class Form:
     def __post_init__(self) -> None:
         if self.json + self.csv + self.markdown > 1:
             raise InvalidRange("--json, --csv and --markdown exclude each other: give one")
-
-
-def values(facts: Sequence[Fact]) -> dict[str, float | str]:
-    """The numbers and words by key."""
-    return {fact.key: fact.value for fact in facts}
 
 
 def print_facts(
@@ -101,7 +78,7 @@ def show_facts(facts: Sequence[Fact], title: str, form: Form, says: str = "") ->
             typer.echo(f"{says}\n")
         typer.echo("| quantity | value | unit | meaning |\n|---|---:|---|---|")
         for fact in facts:
-            typer.echo(f"| {fact.name} | {_shown(fact)} | {fact.unit} | {fact.meaning} |")
+            typer.echo(f"| {fact.name} | {fact.shown} | {fact.unit} | {fact.meaning} |")
         return
     from rigsim.present.kit.console import make_console, paragraph, print_table
 
@@ -109,7 +86,7 @@ def show_facts(facts: Sequence[Fact], title: str, form: Form, says: str = "") ->
         console = make_console()
         paragraph(console, says)
         console.print()
-    shown = [(fact.name, _shown(fact), fact.unit, fact.meaning) for fact in facts]
+    shown = [(fact.name, fact.shown, fact.unit, fact.meaning) for fact in facts]
     print_table(title, ("quantity", "value", "unit", "meaning"), shown, numeric=(False, True, False, False))
 
 
@@ -125,18 +102,3 @@ def _csv(rows: Sequence[Sequence[Fact]]) -> str:
         )
         writer.writerow([*cells, "mm"])
     return text.getvalue()
-
-
-def _shown(fact: Fact) -> str:
-    from rigsim.present.kit.format import fixed, number
-
-    value = fact.value
-    if isinstance(value, str):
-        return value
-    if math.isinf(value):
-        return "infinite"
-    if abs(value) >= 1e9:
-        return f"{value:.4e}"
-    if math.isfinite(fact.error) and fact.error > 0:
-        return fixed(value, min(max(2 - math.floor(math.log10(fact.error)), 0), 9))
-    return number(value, 5)

@@ -5,21 +5,19 @@ from __future__ import annotations
 import functools
 import inspect
 from collections.abc import Callable
-from dataclasses import MISSING, fields, replace
+from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, TypeVar, cast, get_type_hints
 
 import typer
 
-from rigsim.cli.kit import quantity
 from rigsim.cli.kit.axes import CONTEXT, meant
-from rigsim.cli.kit.rigs import DEFAULT_PRESET, RigOptions
-from rigsim.errors import InvalidRange
 from rigsim.study.scene.axes import registry
+from rigsim.typed import quantity
+from rigsim.typed.rigs import RigOptions
 
 if TYPE_CHECKING:
-    from rigsim.rig.noise import PixelNoise
-    from rigsim.rig.stereo import StereoRig
+    pass
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -76,21 +74,6 @@ DisparityNoise = Annotated[
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document, at full precision.")]
 Csv = Annotated[bool, typer.Option("--csv", help="Print CSV, at full precision.")]
 Markdown = Annotated[bool, typer.Option("--markdown", help="Print a Markdown table.")]
-
-
-def pixel_noise(noise: str | None, disparity_noise: str | None) -> PixelNoise:
-    """The noise that ``--noise`` or ``--disparity-noise`` says, as typed; 0.25 px where neither does.
-
-    Raises:
-        InvalidRange: both are typed, or one cannot be read.
-    """
-    from rigsim.rig.noise import PixelNoise, coordinate_noise_px
-
-    px = coordinate_noise_px(
-        None if noise is None else quantity.value(noise, quantity.NOISE),
-        None if disparity_noise is None else quantity.value(disparity_noise, quantity.DISPARITY_NOISE),
-    )
-    return PixelNoise(quantity.NOISE_PX if px is None else px)
 
 
 def takes(words: type[Any]) -> Callable[[Callable[..., _R]], Callable[..., _R]]:
@@ -151,35 +134,3 @@ def takes_rig(command: Callable[Concatenate[RigOptions, _P], _R]) -> Callable[..
 def _default(name: str) -> str | None:
     axis = registry.BY_NAME.get(name)
     return None if axis is None else axis.default
-
-
-def single_rig(options: RigOptions, principal: str | None, *, size_for: str = "") -> StereoRig:
-    """The one rig described by `options`, which have to say all that matters unless they name a rig.
-
-    Args:
-        options: the rig options as typed.
-        principal: ``u,v`` of both cameras; None for the image's middle, or 0,0 when no size is known.
-        size_for: what needs the image size; it may be left out when empty.
-
-    Raises:
-        InvalidRange: something is missing, cannot be read, or describes several rigs.
-    """
-    if options.rig is None and options.preset is None:
-        if options.baseline is None:
-            raise InvalidRange("--baseline is missing: give it, or a whole rig by --rig or --preset")
-        if options.focal is None and options.hfov is None:
-            raise InvalidRange("--focal or --hfov is missing: give one, or a whole rig by --rig or --preset")
-        if options.resolution is None:
-            for name, word in (("--hfov", options.hfov), ("--sensor-width", options.sensor_width)):
-                if word is not None:
-                    raise InvalidRange(
-                        f"{name} {word} needs --resolution: the focal length in px follows from both"
-                    )
-            if size_for:
-                raise InvalidRange(f"{size_for} needs --resolution, or a whole rig by --rig or --preset")
-            principal = principal or "0,0"
-    rig = options.single(DEFAULT_PRESET)
-    if principal is None:
-        return rig
-    cx, cy = quantity.point(principal, "principal point")
-    return replace(rig, left=replace(rig.left, cx=cx, cy=cy), right=replace(rig.right, cx=cx, cy=cy))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rigsim.cli.kit import quantity
+from rigsim.typed import quantity
 
 if TYPE_CHECKING:
     from rigsim.rig.sensor import Sensor

@@ -9,8 +9,8 @@ from typing import Annotated
 
 import typer
 
-from rigsim.cli.kit import quantity
 from rigsim.errors import InvalidRange
+from rigsim.typed import quantity
 
 ToleranceWord = Annotated[
     list[str] | None,

@@ -8,8 +8,8 @@ from typing import Annotated, TypeAlias
 
 import typer
 
-from rigsim.cli.kit import quantity
 from rigsim.errors import InvalidRange
+from rigsim.typed import quantity
 
 TIMEOUT = quantity.QuantityKind(
     "timeout", "s", {"ms": Fraction(1, 1000), "s": Fraction(1), "min": Fraction(60)}, above=0

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from rigsim.cli.kit.facts import Fact
+from rigsim.api.calc.fact import Fact
 
 if TYPE_CHECKING:
     from rigsim.rig.stereo import StereoRig

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rigsim.cli.kit import quantity
-from rigsim.cli.kit.axes import numbers_of, values_of
 from rigsim.errors import InvalidRange
 from rigsim.study.scene.axes import registry
+from rigsim.typed import quantity
+from rigsim.typed.axes import numbers_of, values_of
 
 if TYPE_CHECKING:
     from rigsim.rig.remark import Remark
@@ -219,3 +219,35 @@ class RigOptions:
                     f"sensor width {width_mm:g} mm: {width_px} px of {pitch_mm * 1e3:g} um make "
                     f"{width_px * pitch_mm:.4g} mm; give --sensor-width or --pixel-pitch, not both"
                 )
+
+
+def single_rig(options: RigOptions, principal: str | None, *, size_for: str = "") -> StereoRig:
+    """The one rig described by `options`, which have to say all that matters unless they name a rig.
+
+    Args:
+        options: the rig options as typed.
+        principal: ``u,v`` of both cameras; None for the image's middle, or 0,0 when no size is known.
+        size_for: what needs the image size; it may be left out when empty.
+
+    Raises:
+        InvalidRange: something is missing, cannot be read, or describes several rigs.
+    """
+    if options.rig is None and options.preset is None:
+        if options.baseline is None:
+            raise InvalidRange("--baseline is missing: give it, or a whole rig by --rig or --preset")
+        if options.focal is None and options.hfov is None:
+            raise InvalidRange("--focal or --hfov is missing: give one, or a whole rig by --rig or --preset")
+        if options.resolution is None:
+            for name, word in (("--hfov", options.hfov), ("--sensor-width", options.sensor_width)):
+                if word is not None:
+                    raise InvalidRange(
+                        f"{name} {word} needs --resolution: the focal length in px follows from both"
+                    )
+            if size_for:
+                raise InvalidRange(f"{size_for} needs --resolution, or a whole rig by --rig or --preset")
+            principal = principal or "0,0"
+    rig = options.single(DEFAULT_PRESET)
+    if principal is None:
+        return rig
+    cx, cy = quantity.point(principal, "principal point")
+    return replace(rig, left=replace(rig.left, cx=cx, cy=cy), right=replace(rig.right, cx=cx, cy=cy))
