@@ -17,6 +17,10 @@ from rigsim.cli.kit import answer, faults, terminal
 from rigsim.errors import InvalidRange, OutputError, RigsimError
 
 COMMANDS = {
+    "studio": lazy.Command(
+        "rigsim.cli.studio:studio",
+        "Open the live page: numbers, pictures and a rendered scene that follow while you drag.",
+    ),
     "sweep": lazy.Command(
         "rigsim.cli.sweep:sweep",
         "Sweep rigs through a scene: predicted, simulated and measured depth error side by side, "

@@ -37,6 +37,8 @@ class RigOptions:
     vergence: str | None = None
     more: tuple[tuple[str, str], ...] = ()
     """Other axes that change the rig, by name."""
+    read: StereoRig | None = None
+    """A rig that was read already, in place of a file's."""
 
     @classmethod
     def of(cls, typed: Mapping[str, Any], **others: Any) -> RigOptions:
@@ -47,14 +49,19 @@ class RigOptions:
 
     def typed(self) -> list[tuple[str, str]]:
         """The options that were typed, with their values."""
-        own = ((name, getattr(self, name)) for name in type(self).__dataclass_fields__ if name != "more")
+        own = (
+            (name, getattr(self, name))
+            for name in type(self).__dataclass_fields__
+            if name not in ("more", "read")
+        )
         said = [(name.replace("_", "-"), str(value)) for name, value in own if value is not None]
         return [*said, *self.more]
 
     @property
     def has_size(self) -> bool:
         """Whether anything says how large the images are."""
-        return self.rig is not None or self.preset is not None or self.resolution is not None
+        given = (self.rig, self.read, self.preset, self.resolution)
+        return any(word is not None for word in given)
 
     def base(self, scene: str) -> StereoRig:
         """The rig that is varied: the file's, the preset's, or the one made for the scene."""
@@ -62,6 +69,8 @@ class RigOptions:
 
         if self.rig is not None and self.preset is not None:
             raise InvalidRange("--rig and --preset both given: give one")
+        if self.read is not None:
+            return self.read
         if self.rig is not None:
             from rigsim.interop.formats.calibration import read_calibration
 
@@ -232,7 +241,7 @@ def single_rig(options: RigOptions, principal: str | None, *, size_for: str = ""
     Raises:
         InvalidRange: something is missing, cannot be read, or describes several rigs.
     """
-    if options.rig is None and options.preset is None:
+    if options.rig is None and options.read is None and options.preset is None:
         if options.baseline is None:
             raise InvalidRange("--baseline is missing: give it, or a whole rig by --rig or --preset")
         if options.focal is None and options.hfov is None:

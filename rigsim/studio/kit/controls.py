@@ -1,0 +1,141 @@
+"""Controls: boxes for quantities with units, and sliders beside them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from nicegui import ui
+
+from rigsim.errors import RigsimError
+from rigsim.rig.quantity import QuantityKind
+from rigsim.studio.kit.session import Session
+from rigsim.typed import quantity
+
+_STEPS = 400
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """What a slider covers, in the unit of a number without one."""
+
+    low: float
+    high: float
+    log: bool = True
+    """Whether equal ways are equal ratios."""
+    unit: str = ""
+    """What is written behind the number, as ``mm``."""
+
+    def value(self, step: float) -> float:
+        """The number at a slider's step."""
+        share = step / _STEPS
+        if self.log:
+            return _round(self.low * (self.high / self.low) ** share)
+        return _round(self.low + (self.high - self.low) * share)
+
+    def step(self, value: float) -> float:
+        """The step of a number, within the slider."""
+        value = min(max(value, self.low), self.high)
+        if self.log:
+            return round(_STEPS * math.log(value / self.low) / math.log(self.high / self.low))
+        return round(_STEPS * (value - self.low) / (self.high - self.low))
+
+
+def _round(value: float) -> float:
+    """Three digits: what a hand on a slider can mean."""
+    return float(f"{value:.3g}")
+
+
+def text_box(
+    session: Session,
+    word: str,
+    label: str,
+    *,
+    hint: str = "",
+    kind: QuantityKind | None = None,
+    placeholder: str = "",
+) -> ui.input:
+    """A box whose text is a word of the state.
+
+    Args:
+        session: the tab's session.
+        word: the word's name.
+        label: what a screen reader says.
+        hint: a line under it.
+        kind: what it must be, if it is one quantity.
+        placeholder: what is meant where nothing is typed.
+    """
+
+    def fault(text: str) -> str | None:
+        if kind is None or not text.strip():
+            return None
+        try:
+            quantity.value(text, kind)
+        except RigsimError as error:
+            return str(error)
+        return None
+
+    box = ui.input(
+        label=label,
+        value=session.state[word],
+        validation=fault,
+        on_change=lambda event: session.type(**{word: event.value or ""}),
+    ).props(f"dense outlined autocomplete=off{' stack-label' if placeholder else ''}")
+    if placeholder:
+        box.props(f'placeholder="{placeholder}"')
+    if hint:
+        box.props(f'hint="{hint}"')
+
+    def fill() -> None:
+        box.set_value(session.state[word])
+
+    session.when_restored(fill)
+    return box
+
+
+def quantity_slider(
+    session: Session, word: str, label: str, kind: QuantityKind, span: Span, unset: float
+) -> None:
+    """A box with a slider below, both of one quantity.
+
+    Args:
+        session: the tab's session.
+        word: the word's name.
+        label: what a screen reader says.
+        kind: names, units and bounds.
+        span: what the slider covers.
+        unset: where the slider stands while nothing is typed, or what is typed cannot be read.
+    """
+
+    def current() -> float:
+        try:
+            factor = float(kind.factors[span.unit or kind.plain])
+            return quantity.value(session.state[word], kind) / factor
+        except RigsimError:
+            return unset
+
+    def dragged(step: float) -> None:
+        if step != span.step(current()):
+            text = f"{span.value(step):g}{span.unit}"
+            session.type(**{word: text})
+            box.set_value(text)
+
+    with ui.column().classes("rig-slider"):
+        box = text_box(session, word, label, kind=kind)
+        slider = ui.slider(min=0, max=_STEPS, step=1, value=span.step(current()))
+        slider.props(f'aria-label="{label}, slider" dense')
+        slider.on("update:model-value", lambda event: dragged(float(event.args)), throttle=0.04)
+
+    def follow() -> None:
+        step = span.step(current())
+        if slider.value != step:
+            slider.set_value(step)
+
+    session.watch(follow, now=False)
+
+
+def action(words: str, do: Callable[[], object], *, icon: str = "", flat: bool = True) -> ui.button:
+    """A button."""
+    button = ui.button(words, icon=icon or None, on_click=do)
+    return button.props(f"no-caps {'outline' if flat else 'unelevated'} color=primary")

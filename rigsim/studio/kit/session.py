@@ -1,0 +1,102 @@
+"""One browser tab: its state, its history, and what is drawn anew when it changes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from nicegui import ui
+
+from rigsim.studio.state import History, State
+
+_REST_S = 0.6
+_ADDRESS_S = 0.15
+
+
+class Session:
+    """The state that a page shows. Two tabs have two."""
+
+    def __init__(self, page: str, state: State) -> None:
+        """Begin with a state; to be called where the page is built."""
+        self.page = page
+        self._history = History(state)
+        self._watchers: list[Callable[[], None]] = []
+        self._restored: list[Callable[[], None]] = []
+        self._rest = ui.timer(_REST_S, self._rested, active=False)
+        self._address = ui.timer(_ADDRESS_S, self._tell_address, active=False)
+        self._at_rest: list[Callable[[], None]] = []
+
+    @property
+    def state(self) -> State:
+        """What is shown."""
+        return self._history.state
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a step back."""
+        return self._history.can_undo
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is a step forward."""
+        return self._history.can_redo
+
+    def watch(self, refresh: Callable[[], None], *, now: bool = True) -> None:
+        """Call `refresh` whenever the state has changed, and once now."""
+        self._watchers.append(refresh)
+        if now:
+            refresh()
+
+    def when_restored(self, fill: Callable[[], None]) -> None:
+        """Call `fill` when controls have to show another state than what was typed in them."""
+        self._restored.append(fill)
+
+    def when_resting(self, do: Callable[[], None]) -> None:
+        """Call `do` when the state has not changed for a moment."""
+        self._at_rest.append(do)
+
+    def type(self, **typed: str) -> None:
+        """Take words as they are typed or dragged."""
+        self._show(self.state.with_words(**typed), ",".join(typed))
+
+    def show(self, state: State) -> None:
+        """Show a whole state at once, as one step."""
+        self._show(state, "")
+        self._fill()
+
+    def undo(self) -> None:
+        """One step back."""
+        self._history.undo()
+        self._fill()
+        self._changed()
+
+    def redo(self) -> None:
+        """One step forward."""
+        self._history.redo()
+        self._fill()
+        self._changed()
+
+    def _show(self, state: State, of: str) -> None:
+        if state != self.state:
+            self._history.change(state, of)
+            self._changed()
+
+    def _changed(self) -> None:
+        for refresh in self._watchers:
+            refresh()
+        for timer in (self._rest, self._address):
+            timer.deactivate()
+            timer.activate()
+
+    def _fill(self) -> None:
+        for fill in self._restored:
+            fill()
+
+    def _rested(self) -> None:
+        self._rest.deactivate()
+        self._history.rest()
+        for do in self._at_rest:
+            do()
+
+    def _tell_address(self) -> None:
+        self._address.deactivate()
+        ui.navigate.history.replace(self.state.address(self.page))

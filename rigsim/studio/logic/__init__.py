@@ -1,0 +1,1 @@
+"""From a page's words to its answer, without a browser."""

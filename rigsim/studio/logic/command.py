@@ -1,0 +1,45 @@
+"""The command lines that give what a page shows."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterable
+
+from rigsim.studio.state import State
+from rigsim.studio.words import ALL, OF_RIG
+
+RIG_FILE = "rig.toml"
+"""What a rig is called that the address carries: the page hands it out under that name."""
+
+
+def command(words: Iterable[str], state: State, names: Iterable[str]) -> str:
+    """A command line.
+
+    Args:
+        words: the command, as ``calc``, ``point``.
+        state: what is shown.
+        names: the words of the state that are its options.
+    """
+    wanted = set(names)
+    # option and value in one word, as a value may begin with a minus
+    options = [
+        f"--{word.option}={RIG_FILE if word.name == 'rig' else state[word.name]}"
+        for word in ALL
+        if word.name in wanted and state[word.name]
+    ]
+    return shlex.join(["rigsim", *words, *options])
+
+
+def of_point(state: State) -> str:
+    """``rigsim calc point``."""
+    return command(("calc", "point"), state, (*OF_RIG, "noise", "left", "right"))
+
+
+def of_depth(state: State) -> str:
+    """``rigsim calc depth``."""
+    return command(("calc", "depth"), state, (*(OF_RIG - {"principal"}), "noise", "z"))
+
+
+def of_limits(state: State) -> str:
+    """``rigsim calc limits``."""
+    return command(("calc", "limits"), state, (*OF_RIG, "z"))

@@ -1,0 +1,1 @@
+"""One module a page: what stands where. What it says comes from `rigsim.studio.logic`."""

@@ -1,0 +1,104 @@
+"""Serves the page: routes, who may look, and how it begins and ends."""
+
+from __future__ import annotations
+
+import errno
+import secrets
+import socket
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+
+from nicegui import app, ui
+from starlette.requests import Request
+
+from rigsim.errors import InvalidRange
+from rigsim.studio.kit.session import Session
+from rigsim.studio.kit.shell import PAGES
+from rigsim.studio.state import State, read_state
+
+LOOPBACK = ("127.0.0.1", "localhost", "::1")
+"""Hosts that only this machine reaches."""
+
+
+@dataclass(frozen=True, slots=True)
+class Served:
+    """What the command line says of the page."""
+
+    state: State
+    """What an address begins with that says nothing."""
+    page: str = "point"
+    """Where it opens."""
+    host: str = "127.0.0.1"
+    """Address to listen at."""
+    port: int = 8080
+    """Port to listen at."""
+    show: bool = True
+    """Whether a browser is opened."""
+
+
+def serve(served: Served, ready: Callable[[str], None]) -> None:
+    """Serve the page until it is interrupted.
+
+    Args:
+        served: what, and where.
+        ready: is called with the address once the page can be opened.
+
+    Raises:
+        InvalidRange: the port cannot be had.
+    """
+    check_port(served.host, served.port)
+    token = "" if served.host in LOOPBACK else secrets.token_urlsafe(16)
+    for name in PAGES:
+        _route(name, served)
+    ui.page("/")(lambda: ui.navigate.to(served.state.address(served.page)))
+    if token:
+        from rigsim.studio.token import require_token
+
+        require_token(app, token)
+    host = f"[{served.host}]" if ":" in served.host else served.host
+    address = f"http://{host}:{served.port}{served.state.address(served.page)}"
+    address += f"&token={token}" if token else ""
+    app.on_startup(lambda: ready(address))
+    ui.run(
+        host=served.host,
+        port=served.port,
+        title="rigsim studio",
+        dark=None,
+        language="en-GB",
+        show=served.state.address(served.page) if served.show else False,
+        reload=False,
+        show_welcome_message=False,
+        uvicorn_logging_level="error",
+    )
+
+
+def check_port(host: str, port: int) -> None:
+    """Fail before anything is loaded when a port cannot be had.
+
+    Raises:
+        InvalidRange: it is in use, or not allowed.
+    """
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    with socket.socket(family, socket.SOCK_STREAM) as tried:
+        tried.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            tried.bind((host, port))
+        except OSError as error:
+            if error.errno == errno.EADDRINUSE:
+                raise InvalidRange(
+                    f"port {port}: in use; choose another one, as in --port {port + 1}"
+                ) from None
+            raise InvalidRange(f"host {host}, port {port}: {error.strerror}; choose others") from None
+
+
+def _route(name: str, served: Served) -> None:
+    def page(request: Request) -> None:
+        module = import_module(f"rigsim.studio.pages.{name}")
+        state, remarks = read_state(dict(request.query_params))
+        session = Session(name, module.begin(state if state.words else served.state))
+        module.build(session)
+        for remark in remarks:
+            ui.notify(remark, type="warning", timeout=0, close_button="OK")
+
+    ui.page(f"/{name}")(page)
