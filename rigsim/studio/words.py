@@ -39,6 +39,8 @@ ALL = (
     *(Word(name, ("point",)) for name in ("left", "right")),
     Word("scene"),
     Word("z", ("rig", "compare")),
+    Word("range", ("rig", "compare")),
+    Word("require", ("rig", "compare")),
 )
 """Every word; a new one is a line here."""
 

@@ -9,13 +9,13 @@ from typing import Annotated, Any
 
 import typer
 
-from rigsim.cli.design import asked as read
 from rigsim.cli.kit.answer import claim, command, deliver
 from rigsim.cli.kit.cover import CoverWords
 from rigsim.cli.kit.golden import GoldenWords, held, leave_where_moved
 from rigsim.cli.kit.options import DisparityNoise, takes
 from rigsim.cli.kit.sensors import Blur, FullWell, ImageNoise, ReadNoise, sensor_words
 from rigsim.cli.kit.tolerances import MaxRowError, ToleranceWord, row_error, tolerance_values
+from rigsim.typed import design as read
 from rigsim.typed import quantity
 
 _BODY = quantity.QuantityKind("body width", "mm", quantity.BASELINE.factors, at_least=0)
