@@ -7,8 +7,8 @@ import numpy as np
 from rigsim.errors import InvalidRig
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
-from rigsim.sim.lens import ideal_grid
 from rigsim.sim.frame import View
+from rigsim.sim.lens import ideal_grid
 from rigsim.sim.scenes.scene import Scene
 from rigsim.sim.truth import rays
 

@@ -1,8 +1,8 @@
 """Pictures for a rig that is being turned in one's hands: as soon as they can be had.
 
-One pass for the light and one for the depth of each camera. A lens that distorts is drawn through the pinhole
-that covers it, and looked up there: linearly between pixels, and linearly in 1/Z on one surface, which is exact
-where that is flat.
+One pass for the light and one for the depth of each camera. A lens that distorts is drawn through the
+pinhole that covers it, and looked up there: linearly between pixels, and linearly in 1/Z on one surface,
+which is exact where that is flat.
 """
 
 from __future__ import annotations

@@ -41,9 +41,7 @@ class GlRenderer:
     _current: ClassVar[weakref.ref[GlRenderer] | None] = None
     """The one whose context is current: what GL is told goes there, whosever it is."""
 
-    def __init__(
-        self, scene: Scene, backend: str, width: int, height: int, *, draft: bool = False
-    ) -> None:
+    def __init__(self, scene: Scene, backend: str, width: int, height: int, *, draft: bool = False) -> None:
         """Make a renderer for pictures up to `width` x `height` px; with `backs` it draws sheets' backs too.
 
         Args:

@@ -160,7 +160,9 @@ class RenderProcess:
                 if job is not None:
                     self._current = self._waiting.pop(job.key)
                     return job
-                spare_s = self._used + (self._unused_s if self._served else self._freed_after_s) - time.monotonic()
+                spare_s = (
+                    self._used + (self._unused_s if self._served else self._freed_after_s) - time.monotonic()
+                )
                 if spare_s <= 0:
                     break
                 self._changed.wait(spare_s)
