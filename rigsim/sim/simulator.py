@@ -356,9 +356,8 @@ class Simulator:
         if draft not in self._renderers:
             self._sizes[draft] = need
             self._trusted = self._trusted and not draft
-            self._renderers[draft] = (
-                RayRenderer(self.scene)
-                if self.backend == "rays"
-                else GlRenderer(self.scene, self.backend, *need, draft=draft)
-            )
+            if self.backend == "rays":
+                self._renderers[draft] = RayRenderer(self.scene)
+            else:
+                self._renderers[draft] = GlRenderer(self.scene, self.backend, *need, draft=draft)
         return self._renderers[draft]

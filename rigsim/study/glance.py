@@ -1,7 +1,7 @@
-"""One rig in one scene, looked at in passing: pictures, depth, disparity and expected error, soon enough to drag.
+"""One rig in one scene, looked at in passing: pictures, depth, disparity and expected error, while one drags.
 
-Depth, disparity and expected error are of the rig that is assumed, in pixels of its own pictures, whatever the
-size that is drawn; the pictures may be taken by the rig as it was built.
+Depth, disparity and expected error are of the rig that is assumed, in pixels of its own pictures, whatever
+the size that is drawn; the pictures may be taken by the rig as it was built.
 """
 
 from __future__ import annotations
@@ -68,8 +68,8 @@ class Glimpse:
 
 
 def picture_size(rig: StereoRig, coarse: bool) -> tuple[int, int]:
-    """Width and height, px, of the pictures that are drawn unless a size is asked for: the rig's own, a coarse
-    picture's, or what fits `MOST_PIXELS`; of the left camera's shape."""
+    """Width and height, px, of the pictures that are drawn unless a size is asked for: the left camera's, or
+    less of its shape, for a coarse picture or one of more than `MOST_PIXELS`."""
     width, height = rig.left.width, rig.left.height
     most = COARSE_WIDTH_PX / width if coarse else math.sqrt(MOST_PIXELS / (width * height))
     scale = min(1.0, most)
@@ -144,8 +144,8 @@ def _frame(
 def _expected_std(rig: StereoRig, points: Array, seen: Mask, noise: PixelNoise) -> Light:
     """Standard deviation of the depth of the points (H, W, 3) that are seen, (H, W) m.
 
-    Of a large picture it is predicted for one pixel of a block, and grows with the depth squared to the others
-    that show nearly the same depth: exactly so for a rectified rig, to a half percent for others.
+    Of a large picture it is predicted for one pixel of a block, and taken to the others that show nearly the
+    same depth by its square: exactly so for a rectified rig, to half a percent for others.
     """
     if seen.size <= _SMALL:
         return _spread(predict_depth_std(rig, points[seen], noise), seen)

@@ -1,4 +1,4 @@
-"""The renderer of the whole server: a process of its own, and a queue where only the newest request survives."""
+"""The renderer of the server: a process of its own, and a queue where only the newest request survives."""
 
 from __future__ import annotations
 
@@ -134,7 +134,7 @@ class RenderProcess:
             child.close()
 
     def _stop_current(self, key: str) -> None:
-        """A full picture that the same key no longer wants is not finished; coarse ones are as good as done."""
+        """End a full picture that the same key no longer wants; a coarse one is as good as done."""
         current = self._current
         if current is None or current.key != key or current.request.coarse or self._child is None:
             return

@@ -176,14 +176,13 @@ class ProofRun:
                 if message is None:
                     break
                 progress(*message)
+            how = child.how_it_ended()
         except OSError:
-            pass  # it has ended
+            how = child.how_it_ended()
         finally:
             self._child = None
             child.end()
-        return Failed(
-            CANCELLED if self._cancelled else f"The proof stopped ({child.how_it_ended()}): try again."
-        )
+        return Failed(CANCELLED if self._cancelled else f"The proof stopped ({how}): try again.")
 
 
 def _listen(child: Child, loop: asyncio.AbstractEventLoop, heard: asyncio.Queue[Any]) -> None:

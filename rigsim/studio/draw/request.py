@@ -67,8 +67,8 @@ class Pair:
     depth_m: Light
     """Depth of each left pixel, (H, W), m; NaN for nothing. Read-only, as are the other arrays."""
     disparity_px: Light
-    """``u_left - u_right`` in pixels of the rig's own pictures, whatever was drawn, (H, W); NaN where the right
-    camera does not see the point."""
+    """``u_left - u_right`` in pixels of the rig's own pictures, whatever was drawn, (H, W); NaN where the
+    right camera does not see the point."""
     depth_std_m: Light
     """Expected standard deviation of the depth, (H, W), m; NaN where the right camera does not see it."""
     seconds: float
