@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 
-from nicegui import app, ui
+from nicegui import app, run, ui
 from starlette.requests import Request
 
 from rigsim.errors import InvalidRange
@@ -60,6 +60,7 @@ def serve(served: Served, ready: Callable[[str], None]) -> None:
     address = f"http://{host}:{served.port}{served.state.address(served.page)}"
     address += f"&token={token}" if token else ""
     app.on_startup(lambda: ready(address))
+    run.process_pool_start_method = "spawn"  # a fork would copy the page's threads and their locks
     ui.run(
         host=served.host,
         port=served.port,
