@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rigsim import interrupts
-from rigsim.cli.design.asked import depth_error
 from rigsim.cli.kit import lists
 from rigsim.cli.kit.answer import claim, command, deliver, quiet
 from rigsim.cli.kit.axes import DISPARITY_NOISE, takes_axes
@@ -26,6 +25,7 @@ from rigsim.errors import InvalidRange, TriangulatorError
 from rigsim.study.scene.axes import registry
 from rigsim.typed import quantity
 from rigsim.typed.axes import numbers_of
+from rigsim.typed.design import depth_error
 from rigsim.typed.rigs import RigOptions
 
 if TYPE_CHECKING:
