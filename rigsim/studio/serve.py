@@ -97,7 +97,7 @@ def _route(name: str, served: Served) -> None:
     def page(request: Request) -> None:
         module = import_module(f"rigsim.studio.pages.{name}")
         state, remarks = read_state(dict(request.query_params))
-        session = Session(name, module.begin(state if state.words else served.state))
+        session = Session(name, module.begin(state if state.words else served.state), served.state["scene"])
         module.build(session)
         for remark in remarks:
             ui.notify(remark, type="warning", timeout=0, close_button="OK")

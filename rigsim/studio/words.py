@@ -63,7 +63,8 @@ ALL = (
     *(Word(name, ("point",)) for name in ("left", "right")),
     Word("scene"),
     Word("z", ("rig", "compare")),
-    *(Word(name, ("design", "tolerance")) for name in ("range", "class", "max_row_error")),
+    *(Word(name, ("design", "tolerance")) for name in ("class", "max_row_error")),
+    Word("range", ("rig", "design", "tolerance", "compare")),
     Word("depth_error", ("design", "tolerance"), several=True),
     *(Word(name, ("design",)) for name in _DESIGN),
     Word("min_overlap", ("design",), several=True),
@@ -71,6 +72,7 @@ ALL = (
     *(Word(f"try_{name}", ("design",), flag=name.replace("_", "-")) for name in TRIED),
     *(Word(name, ("design",)) for name in ("region", "sort")),
     *(Word(name, ("tolerance",)) for name in OFF),
+    Word("require", ("rig", "compare")),
 )
 """Every word; a new one is a line here."""
 
