@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from rigsim.api.kit.cameras import CameraOptions
+from rigsim.api.kit.cameras import cameras_tried
 from rigsim.api.kit.cover import cover
 from rigsim.api.kit.golden import print_comparison
 from rigsim.api.kit.plain import takes
@@ -23,7 +23,6 @@ from rigsim.study.design.proof import Proof, recommended
 from rigsim.study.design.solve import Candidate, Design, solve
 from rigsim.study.design.tolerance import DesignTolerance, design_tolerance
 from rigsim.study.design.view import view_remarks
-from rigsim.theory.inverse import Camera
 
 if TYPE_CHECKING:
     from rigsim.interop.documents.base import Written
@@ -211,7 +210,7 @@ def design(options: DesignOptions) -> Designed:
 
 def _designed(options: DesignOptions) -> Designed:
     head = cover(options.title, options.note, options.logo)
-    specification, cameras = specified(options), _cameras(options)
+    specification, cameras = specified(options), cameras_tried(options)
     levels = given.reals(options.image_noise_grey, "image_noise_grey")
     optics = SensorOptions(None, options.blur_px, levels, options.full_well_e, options.read_noise_e)
     fits = fittings(cameras, optics)
@@ -238,19 +237,3 @@ def _designed(options: DesignOptions) -> Designed:
     told = has_own_noise(pick.camera.sensor, optics) or options.blur_px is not None
     sensor = fits[pick.camera.sensor, pick.camera.merged].sensor if told else None
     return Designed(found, proofs, held, sensor, options.command, remarks, head)
-
-
-def _cameras(options: DesignOptions) -> list[Camera]:
-    """Every camera to try."""
-    return CameraOptions(
-        options.resolutions_px,
-        tuple(str(name) for name in given.several(options.sensors)),
-        options.lenses_mm,
-        options.lenses_px,
-        options.lenses_deg,
-        options.pixel_pitch_um,
-        options.sensor_width_mm,
-        options.crop_px,
-        options.binning,
-        options.min_baseline_mm is None and options.body_width_mm is None,
-    ).all(options.fov_deg)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -13,19 +12,21 @@ import typer
 from rigsim.cli.kit.answer import claim, deliver
 from rigsim.cli.kit.golden import GoldenWords, held, leave_where_moved
 from rigsim.cli.kit.options import DisparityNoise, Json, takes, takes_rig
-from rigsim.cli.kit.tolerances import MaxRowError, ToleranceWord, row_error, tolerance_values
-from rigsim.errors import InvalidRange
+from rigsim.cli.kit.tolerances import MaxRowError, ToleranceWord
 from rigsim.typed import quantity
 from rigsim.typed.noise import pixel_noise
 from rigsim.typed.rigs import DEFAULT_PRESET, RigOptions
+from rigsim.typed.tolerances import (
+    row_error,
+    tolerance_range,
+    tolerance_requirement,
+    tolerance_values,
+)
 
 _LENGTHS = quantity.BASELINE.factors
 _SPEED = quantity.QuantityKind("speed", "m/s", quantity.SPEEDS, at_least=0)
 _EXPANSION = quantity.QuantityKind("expansion", "ppm", {"ppm": Fraction(1)}, at_least=0)
 _LENGTH = quantity.QuantityKind("known length's std", "mm", _LENGTHS, above=0)
-_DEPTH_ERROR = quantity.QuantityKind("depth error", "mm", _LENGTHS, above=0)
-_PERCENT = re.compile(r"\s*([0-9]*\.?[0-9]+)\s*%\s*")
-_UNIT = re.compile(r"[a-zA-Zµμ%]\s*$")
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,8 +113,8 @@ def tolerance(options: RigOptions, words: ToleranceWords, golden: GoldenWords) -
     A rig is good when its own depth error, of its build and its pixel noise, meets the requirement, and with
     --max-row-error its rows do as well.
     """
-    near_m, far_m = _range(words.depth_range)
-    asked = _requirement(words.depth_error)
+    near_m, far_m = tolerance_range(words.depth_range)
+    asked = tolerance_requirement(words.depth_error)
     claim(words.out, words.force)
     golden.check("tolerance")
     rig = options.single(DEFAULT_PRESET)
@@ -147,25 +148,3 @@ def tolerance(options: RigOptions, words: ToleranceWords, golden: GoldenWords) -
     result = held(result, golden, "tolerance", {"seed": str(words.seed)})
     deliver(result, words.out, words.force, words.as_json)
     leave_where_moved(result.golden)
-
-
-def _range(text: str) -> tuple[float, float]:
-    if not _UNIT.search(text):
-        raise InvalidRange(f"range {text or 'empty'}: m or mm? Write the unit, as in 0.5:3m")
-    near_mm, far_mm = quantity.span(text, quantity.DEPTH)
-    return near_mm / 1e3, far_mm / 1e3
-
-
-def _requirement(text: str) -> dict[str, float]:
-    """``10mm@3m`` or ``1%``, as `rigsim.tolerance` takes it."""
-    what, at, where = text.partition("@")
-    for part in (what, where) if at else (what,):
-        if not _UNIT.search(part):
-            raise InvalidRange(f"depth error {text or 'empty'}: of what unit? Write it, as in 10mm@3m or 1%")
-    there = {"at_m": quantity.value(where.strip(), quantity.DEPTH) / 1e3} if at else {}
-    share = _PERCENT.fullmatch(what)
-    if share is None:
-        return {"depth_error_mm": quantity.value(what.strip(), _DEPTH_ERROR), **there}
-    if not float(share[1]) < 100:
-        raise InvalidRange(f"depth error {what.strip()}: must be < 100 %")
-    return {"depth_error_pct": float(share[1]), **there}

@@ -23,14 +23,38 @@ class Word:
     """Pages whose answer it is part of; those of every page for none."""
     most_chars: int = MOST_CHARS
     """Longer values are not taken."""
+    flag: str = ""
+    """Its name as an option, where that is not its name in the address."""
+    several: bool = False
+    """Whether it holds several values, with commas between, each of which is an option of its own."""
 
     @property
     def option(self) -> str:
-        """Its name in the address, and as an option."""
+        """Its name in the address, and as an option unless `flag` says otherwise."""
         return self.name.replace("_", "-")
 
 
 _RIG = ("preset", *(axis.name for axis in registry.OF_RIG), "sensor_width", "pixel_pitch", "noise")
+
+TRIED = ("resolution", "pixel_pitch", "sensor_width")
+"""Words of a rig that a design has of its own, as ``try_resolution``."""
+_DESIGN = (
+    "fov",
+    "vfov",
+    "cover",
+    "max_baseline",
+    "min_baseline",
+    "body_width",
+    "max_disparity",
+    "max_pixels",
+    "nearest_focus",
+    "build_share",
+    "sensor",
+    "lens",
+    "prefer",
+)
+OFF = ("off_yaw", "off_pitch", "off_roll", "off_baseline", "off_focal", "off_cx", "off_cy")
+"""What the built rig is off by."""
 
 ALL = (
     Word("rig", most_chars=_MOST_RIG_CHARS),
@@ -39,7 +63,15 @@ ALL = (
     *(Word(name, ("point",)) for name in ("left", "right")),
     Word("scene"),
     Word("z", ("rig", "compare")),
-    Word("range", ("rig", "compare")),
+    *(Word(name, ("design", "tolerance")) for name in ("class", "max_row_error")),
+    Word("range", ("rig", "design", "tolerance", "compare")),
+    Word("depth_error", ("design", "tolerance"), several=True),
+    *(Word(name, ("design",)) for name in _DESIGN),
+    Word("min_overlap", ("design",), several=True),
+    # a rig has one size, and a design may try several: each page keeps its own
+    *(Word(f"try_{name}", ("design",), flag=name.replace("_", "-")) for name in TRIED),
+    *(Word(name, ("design",)) for name in ("region", "sort")),
+    *(Word(name, ("tolerance",)) for name in OFF),
     Word("require", ("rig", "compare")),
 )
 """Every word; a new one is a line here."""

@@ -3,16 +3,87 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from rigsim.errors import InvalidRange, InvalidRig
 from rigsim.typed import quantity
+from rigsim.typed.tolerances import row_error, tolerance_values
 
 if TYPE_CHECKING:
     from rigsim.api.kit.asked import DepthError
 
 _PERCENT = re.compile(r"([0-9]*\.?[0-9]+)\s*%")
 _UNIT = quantity.UNIT
+_BODY = quantity.QuantityKind("body width", "mm", quantity.BASELINE.factors, at_least=0)
+
+
+def design_arguments(typed: Mapping[str, Any]) -> dict[str, Any]:
+    """What `rigsim.design` is asked for, from the options of `rigsim design` by their names in Python.
+
+    Args:
+        typed: the options as typed, None where nothing was; ``depth_error``, ``min_overlap`` and
+            ``tolerance`` are lists. ``depth_range`` and ``depth_error`` are needed.
+
+    Raises:
+        InvalidRange: a word cannot be read, or is out of bounds.
+        InvalidRig: a lens has no unit.
+    """
+    near_mm, far_mm = working_range(typed["depth_range"])
+    found = cameras(
+        typed.get("resolution"),
+        typed.get("sensor"),
+        typed.get("lens"),
+        pixel_pitch=typed.get("pixel_pitch"),
+        sensor_width=typed.get("sensor_width"),
+        crop=typed.get("crop"),
+        binning=typed.get("binning", 1),
+    )
+    tolerances, bounds = tolerance_values(typed.get("tolerance") or [])
+    named = {"prefer": "prefer", "class_name": "tolerance_class"}
+    return {
+        "range_m": (near_mm / 1e3, far_mm / 1e3),
+        **found,
+        **_required(typed, near_mm / 1e3, far_mm / 1e3),
+        **{to: typed[word] for word, to in named.items() if typed.get(word) is not None},
+        "tolerances": tolerances,
+        "bounds": bounds,
+    }
+
+
+_READ: Mapping[str, tuple[str, quantity.QuantityKind]] = {
+    "fov": ("fov_deg", quantity.HFOV),
+    "vfov": ("vfov_deg", quantity.HFOV),
+    "min_baseline": ("min_baseline_mm", quantity.BASELINE),
+    "body_width": ("body_width_mm", _BODY),
+    "max_baseline": ("max_baseline_mm", quantity.BASELINE),
+    "max_disparity": ("max_disparity_px", quantity.DISPARITY),
+    "noise": ("noise_px", quantity.NOISE),
+    "disparity_noise": ("disparity_noise_px", quantity.DISPARITY_NOISE),
+}
+
+
+def _required(typed: Mapping[str, Any], near_m: float, far_m: float) -> dict[str, Any]:
+    """What a rig has to do, as `rigsim.design` takes it."""
+    said = {word: text for word, text in typed.items() if text is not None}
+    found: dict[str, Any] = {"errors": [depth_error(text, far_m) for text in said["depth_error"]]}
+    for word, (name, kind) in _READ.items():
+        if word in said:
+            found[name] = quantity.value(said[word], kind)
+    if "cover" in said:
+        found["cover_mm"], found["cover_at_m"] = cover(said["cover"], far_m)
+    if "max_pixels" in said:
+        found["max_pixels"] = pixels(said["max_pixels"])
+    overlaps = [overlap(text, near_m) for text in said.get("min_overlap", ())]
+    found["min_overlap"] = [share for share, _ in overlaps]
+    found["min_overlap_at_m"] = [at_m for _, at_m in overlaps]
+    if "nearest_focus" in said:
+        found["nearest_focus_m"] = metres(said["nearest_focus"], "nearest focus")
+    if "max_row_error" in said:
+        found["max_row_error_px"] = row_error(said["max_row_error"])
+    if "build_share" in said:
+        found["build_share"] = build_share(said["build_share"])
+    return found
 
 
 def working_range(text: str) -> tuple[float, float]:

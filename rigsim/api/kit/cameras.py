@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from rigsim.api.rigs import Several, Sizes
 from rigsim.errors import InvalidRange
@@ -13,6 +14,9 @@ from rigsim.rig.catalogue.sensors import sensor_preset
 from rigsim.study.design.solve import HFOVS_DEG, LENSES_MM, RESOLUTIONS
 from rigsim.study.scene.plan import sizes
 from rigsim.theory.inverse import Camera
+
+if TYPE_CHECKING:
+    from rigsim.api.kit.requirements import DesignOptions
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,6 +156,22 @@ class CameraOptions:
         if not (float(self.binning).is_integer() and 1 <= self.binning <= 16):
             raise InvalidRange(f"binning {self.binning:g}: must be a whole number from 1 to 16")
         return chip.binned(int(self.binning)) if self.binning != 1 else chip
+
+
+def cameras_tried(options: DesignOptions) -> list[Camera]:
+    """Every camera that a design tries."""
+    return CameraOptions(
+        options.resolutions_px,
+        tuple(str(name) for name in given.several(options.sensors)),
+        options.lenses_mm,
+        options.lenses_px,
+        options.lenses_deg,
+        options.pixel_pitch_um,
+        options.sensor_width_mm,
+        options.crop_px,
+        options.binning,
+        options.min_baseline_mm is None and options.body_width_mm is None,
+    ).all(options.fov_deg)
 
 
 def _focals_px(chip: _Chip, unit: str, lenses: tuple[float, ...], fov_deg: float | None) -> tuple[float, ...]:

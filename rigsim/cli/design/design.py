@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -14,11 +14,8 @@ from rigsim.cli.kit.cover import CoverWords
 from rigsim.cli.kit.golden import GoldenWords, held, leave_where_moved
 from rigsim.cli.kit.options import DisparityNoise, takes
 from rigsim.cli.kit.sensors import Blur, FullWell, ImageNoise, ReadNoise, sensor_words
-from rigsim.cli.kit.tolerances import MaxRowError, ToleranceWord, row_error, tolerance_values
-from rigsim.typed import design as read
-from rigsim.typed import quantity
-
-_BODY = quantity.QuantityKind("body width", "mm", quantity.BASELINE.factors, at_least=0)
+from rigsim.cli.kit.tolerances import MaxRowError, ToleranceWord
+from rigsim.typed.design import design_arguments
 
 UNVERIFIED = 3
 """Exit code when the simulation does not confirm any rig tried."""
@@ -176,18 +173,7 @@ def design(words: DesignWords, cover: CoverWords, golden: GoldenWords) -> None:
     Says which requirement binds at each end of the baselines allowed; when nothing is feasible, which one to
     relax and by how much. Exit code 3 when the simulation confirms none of the rigs tried.
     """
-    near_mm, far_mm = read.working_range(words.depth_range)
-    cameras = read.cameras(
-        words.resolution,
-        words.sensor,
-        words.lens,
-        pixel_pitch=words.pixel_pitch,
-        sensor_width=words.sensor_width,
-        crop=words.crop,
-        binning=words.binning,
-    )
-    tolerances, bounds = tolerance_values(words.tolerance or [])
-    required = _required(words, near_mm / 1e3, far_mm / 1e3)
+    asked = design_arguments({item.name: getattr(words, item.name) for item in fields(words)})
     sensor = sensor_words(
         blur=words.blur,
         image_noise=words.image_noise,
@@ -204,17 +190,11 @@ def design(words: DesignWords, cover: CoverWords, golden: GoldenWords) -> None:
     from rigsim.api.design import design as run
 
     result = run(
-        (near_mm / 1e3, far_mm / 1e3),
-        **required,
-        **cameras,
+        **asked,
         **sensor,
-        prefer=words.prefer,
         scene=words.scene,
         proof=not words.no_proof,
         measure=words.measure,
-        tolerance_class=words.class_name,
-        tolerances=tolerances,
-        bounds=bounds,
         seed=words.seed,
         renderer=words.renderer,
         command=command(),
@@ -226,36 +206,3 @@ def design(words: DesignWords, cover: CoverWords, golden: GoldenWords) -> None:
     leave_where_moved(result.golden)
     if result.verdict == "not verified":
         raise typer.Exit(UNVERIFIED)
-
-
-def _required(words: DesignWords, near_m: float, far_m: float) -> dict[str, Any]:
-    """What is asked for, as `rigsim.design` takes it."""
-    found: dict[str, Any] = {"errors": [read.depth_error(text, far_m) for text in words.depth_error]}
-    if words.fov is not None:
-        found["fov_deg"] = quantity.value(words.fov, quantity.HFOV)
-    if words.vfov is not None:
-        found["vfov_deg"] = quantity.value(words.vfov, quantity.HFOV)
-    if words.cover is not None:
-        found["cover_mm"], found["cover_at_m"] = read.cover(words.cover, far_m)
-    if words.min_baseline is not None:
-        found["min_baseline_mm"] = quantity.value(words.min_baseline, quantity.BASELINE)
-    if words.body_width is not None:
-        found["body_width_mm"] = quantity.value(words.body_width, _BODY)
-    if words.max_baseline is not None:
-        found["max_baseline_mm"] = quantity.value(words.max_baseline, quantity.BASELINE)
-    if words.max_disparity is not None:
-        found["max_disparity_px"] = quantity.value(words.max_disparity, quantity.DISPARITY)
-    if words.max_pixels is not None:
-        found["max_pixels"] = read.pixels(words.max_pixels)
-    overlaps = [read.overlap(text, near_m) for text in words.min_overlap or []]
-    found["min_overlap"] = [share for share, _ in overlaps]
-    found["min_overlap_at_m"] = [at_m for _, at_m in overlaps]
-    if words.noise is not None:
-        found["noise_px"] = quantity.value(words.noise, quantity.NOISE)
-    if words.disparity_noise is not None:
-        found["disparity_noise_px"] = quantity.value(words.disparity_noise, quantity.DISPARITY_NOISE)
-    if words.nearest_focus is not None:
-        found["nearest_focus_m"] = read.metres(words.nearest_focus, "nearest focus")
-    found["max_row_error_px"] = row_error(words.max_row_error)
-    found["build_share"] = read.build_share(words.build_share)
-    return found

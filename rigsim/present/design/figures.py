@@ -23,8 +23,9 @@ from rigsim.rig.arrays import Array
 from rigsim.rig.noise import PixelNoise
 from rigsim.study.design import words as words
 from rigsim.study.design.proof import Proof
+from rigsim.study.design.region import limit_lines
 from rigsim.study.design.solve import Candidate, Design, Specification
-from rigsim.theory.inverse import Camera, Requirement, baseline_interval
+from rigsim.theory.inverse import Camera, baseline_interval
 from rigsim.theory.inverse_error import noise_error
 
 _LEFT, _BOTTOM, _WIDTH, _HEIGHT = 0.75, 0.6, 4.2, 3.5
@@ -63,7 +64,7 @@ def region_figure(design: Design, pick: Candidate) -> Figure:
             f, B, shown, cmap=style.heat_map(), norm=norm, shading="nearest", rasterized=True
         )
         _region_bar(figure, mesh, _ends(error[allowed]))
-        lines = _limit_lines(spec, cameras, chip, (low_mm, high_mm))
+        lines = _limit_lines(spec, f, chip, (low_mm, high_mm))
         for line, dash in lines:
             axes.plot(line.x, line.y, color=line.color, linestyle=dash)
         star = (chip.focal_px, pick.baseline_m * 1e3)
@@ -102,36 +103,15 @@ def _region_bar(figure: Figure, mesh: QuadMesh, ends: tuple[float, float]) -> No
 
 
 def _limit_lines(
-    spec: Specification, cameras: Sequence[Camera], chip: Camera, span_mm: tuple[float, float]
+    spec: Specification, focal_px: Array, chip: Camera, span_mm: tuple[float, float]
 ) -> list[tuple[Named, Dash]]:
     """Each requirement's line over focal lengths, where it lies within the figure, and its dashes."""
-    f = np.array([camera.focal_px for camera in cameras])
     lines: list[tuple[Named, Dash]] = []
-    for place, asked in enumerate(spec.asked_of(chip)):
-        if asked.kind == "pixels":
-            continue
-        color, dash = style.LINES[place % len(style.LINES)], _DASHES[place % len(_DASHES)]
-        name = words.whole(asked).replace("<=", "≤").replace(">=", "≥")
-        if asked.kind in ("fov", "vfov", "cover_height"):
-            widest = _longest_focal_px(asked, chip)
-            line = Named(np.full(2, widest), np.array(span_mm), name, color)
-            out = not f[0] <= widest <= f[-1]
-        else:
-            limit_mm = np.array([asked.baseline_m(camera, spec.disparity_std_px) * 1e3 for camera in cameras])
-            there = limit_mm > 0  # coverage ends where one camera alone sees too little
-            line = Named(f[there], limit_mm[there], name, color)
-            out = not there.any() or line.y.max() < span_mm[0] or line.y.min() > span_mm[1]
-        if not out:
-            lines.append((line, dash))
+    for limit in limit_lines(spec, chip, focal_px, (span_mm[0] / 1e3, span_mm[1] / 1e3)):
+        color, dash = style.LINES[limit.place % len(style.LINES)], _DASHES[limit.place % len(_DASHES)]
+        name = words.whole(limit.requirement).replace("<=", "≤").replace(">=", "≥")
+        lines.append((Named(limit.focal_px, limit.baseline_m * 1e3, name, color), dash))
     return lines
-
-
-def _longest_focal_px(asked: Requirement, chip: Camera) -> float:
-    """The focal length, px, beyond which a camera of that image size sees too little."""
-    if asked.kind == "cover_height":
-        return chip.height_px * asked.depth_m / asked.limit
-    side_px = chip.width_px if asked.kind == "fov" else chip.height_px
-    return side_px / 2 / math.tan(asked.limit / 2)
 
 
 def pareto_figure(design: Design, pick: Candidate) -> Figure:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from nicegui import ui
@@ -133,6 +133,27 @@ def quantity_slider(
             slider.set_value(step)
 
     session.watch(follow, now=False)
+
+
+def choice(session: Session, word: str, label: str, options: Mapping[str, str]) -> ui.select:
+    """A list whose choice is a word of the state.
+
+    Args:
+        session: the tab's session.
+        word: the word's name.
+        label: what a screen reader says.
+        options: what is shown, by the word's value; the empty one stands for none.
+    """
+
+    def current() -> str:
+        return session.state[word] if session.state[word] in box.options else ""
+
+    box = ui.select(
+        dict(options), label=label, value=session.state[word] if session.state[word] in options else ""
+    ).props("dense outlined options-dense")
+    box.on_value_change(lambda event: session.type(**{word: event.value or ""}))
+    session.when_restored(lambda: box.set_value(current()))
+    return box
 
 
 def action(words: str, do: Callable[[], object], *, icon: str = "", flat: bool = True) -> ui.button:

@@ -23,11 +23,18 @@ def command(words: Iterable[str], state: State, names: Iterable[str]) -> str:
     wanted = set(names)
     # option and value in one word, as a value may begin with a minus
     options = [
-        f"--{word.option}={RIG_FILE if word.name == 'rig' else state[word.name]}"
+        f"--{word.flag or word.option}={RIG_FILE if word.name == 'rig' else text}"
         for word in ALL
-        if word.name in wanted and state[word.name]
+        if word.name in wanted
+        for text in (parts(state[word.name]) if word.several else [state[word.name]])
+        if text
     ]
     return shlex.join(["rigsim", *words, *options])
+
+
+def parts(text: str) -> list[str]:
+    """The values of a word that holds several."""
+    return [part.strip() for part in text.split(",") if part.strip()]
 
 
 def of_point(state: State) -> str:

@@ -19,6 +19,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
+import numpy as np
+
 from rigsim.errors import InvalidRange, InvalidRig
 from rigsim.rig import extent
 from rigsim.rig.intrinsics import Intrinsics
@@ -32,6 +34,7 @@ from rigsim.theory.inverse import (
     LOWER,
     Camera,
     Interval,
+    Relaxation,
     Requirement,
     asked_of,
     baseline_interval,
@@ -229,7 +232,8 @@ def solve(specification: Specification, cameras: Sequence[Camera], preference: s
         for baseline_m in picks(interval, _least_m(interval, specification))
     ]
     if not candidates:
-        raise InvalidRig(_why_not(specification, intervals))
+        ways = relaxations([interval.camera for interval in intervals], asked, noise_px)
+        raise InvalidRig(why_not(specification, intervals, ways))
     candidates.sort(key=lambda candidate: _rank(candidate, preference))
     if preference == "buildable":
         candidates = buildable_first(candidates, specification)
@@ -238,12 +242,14 @@ def solve(specification: Specification, cameras: Sequence[Camera], preference: s
 
 def pareto_front(candidates: Sequence[Candidate]) -> tuple[Candidate, ...]:
     """Those that no other candidate equals or beats in all of error, baseline, pixels and field of view."""
-    merits = [(c.far_error_m, c.baseline_m, float(c.camera.pixels), -c.camera.hfov_rad) for c in candidates]
-    return tuple(
-        candidate
-        for candidate, own in zip(candidates, merits, strict=True)
-        if not any(other != own and all(a <= b for a, b in zip(other, own, strict=True)) for other in merits)
+    if not candidates:
+        return ()
+    merits = np.array(
+        [(c.far_error_m, c.baseline_m, float(c.camera.pixels), -c.camera.hfov_rad) for c in candidates]
     )
+    others, own = merits[:, None], merits[None]
+    beaten = ((others <= own).all(axis=2) & (others != own).any(axis=2)).any(axis=0)
+    return tuple(candidate for candidate, lost in zip(candidates, beaten, strict=True) if not lost)
 
 
 def _rank(candidate: Candidate, preference: str) -> tuple[float, ...]:
@@ -274,10 +280,9 @@ def _candidate(interval: Interval, baseline_m: float, specification: Specificati
     return Candidate(interval, baseline_m, error_m, share, keeps)
 
 
-def _why_not(specification: Specification, intervals: Sequence[Interval]) -> str:
-    """What collides, and which single requirement to relax."""
+def why_not(specification: Specification, intervals: Sequence[Interval], ways: Sequence[Relaxation]) -> str:
+    """What collides where no camera can do it, and which single requirement to relax: one of `ways`."""
     asked, noise_px = specification.requirements, specification.noise_px
-    ways = relaxations([interval.camera for interval in intervals], asked, noise_px)
     if ways:
         ends = [interval for interval in intervals if interval.camera == ways[0].camera]
         advice = "; or ".join(words.relaxation(way, noise_px) for way in ways[:3])
