@@ -37,7 +37,6 @@ class GlRenderer:
     Several may be open at once: whatever one draws or frees, it does in its own context.
     """
 
-    bends: ClassVar[bool] = False
     _current: ClassVar[weakref.ref[GlRenderer] | None] = None
     """The one whose context is current: what GL is told goes there, whosever it is."""
 
@@ -73,6 +72,7 @@ class GlRenderer:
         self._facets = Facets(self._context, scene.model.vis.quality.numquads)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)
         self.backs = False
+        self.bends = False
 
     def light(self, side: int, lens: Intrinsics, supersample: int) -> Light:
         """Linear light (H, W, 3) that falls on the left (0) or right (1) camera through `lens`, 0 to 1.

@@ -7,6 +7,7 @@ import contextlib
 import threading
 import time
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 from rigsim.studio.draw import worker
 from rigsim.studio.draw.child import Child
@@ -21,7 +22,8 @@ LONGEST_S = 120.0
 
 _LONG_S = 4.0  # that a full picture may wait behind coarse ones
 
-Answer = Pair | Failed | None
+Drawn: TypeAlias = Pair | Failed | None
+"""A pair, why there is none, or nothing where nobody waits for it any more."""
 
 
 @dataclass(eq=False)
@@ -31,15 +33,15 @@ class _Job:
     key: str
     request: PairRequest
     loop: asyncio.AbstractEventLoop
-    future: asyncio.Future[Answer]
+    future: asyncio.Future[Drawn]
     since: float = field(default_factory=time.monotonic)
 
-    def answer(self, answer: Answer) -> None:
+    def answer(self, answer: Drawn) -> None:
         """Let the call return, from any thread."""
         with contextlib.suppress(RuntimeError):  # its loop has been closed
             self.loop.call_soon_threadsafe(self._set, answer)
 
-    def _set(self, answer: Answer) -> None:
+    def _set(self, answer: Drawn) -> None:
         if not self.future.done():
             self.future.set_result(answer)
 
@@ -76,7 +78,7 @@ class RenderProcess:
         child = self._child
         return None if child is None else child.pid
 
-    async def draw(self, key: str, request: PairRequest) -> Answer:
+    async def draw(self, key: str, request: PairRequest) -> Drawn:
         """The pair; why there is none; or None where a newer request of the same key took its place.
 
         Args:
@@ -182,14 +184,14 @@ class RenderProcess:
 
         return min(self._waiting.values(), key=rank, default=None)
 
-    def _draw(self, job: _Job) -> Answer:
+    def _draw(self, job: _Job) -> Drawn:
         """Have the process draw; where it stops, say so to all who wait, and start it again."""
         try:
             child = self._started()
             if child is None:
                 return None
             child.send(job.request)
-            answer: Answer = child.receive(self._longest_s)
+            answer: Drawn = child.receive(self._longest_s)
         except TimeoutError:
             return self._begin_again(f"gave no picture within {self._longest_s:g} s")
         except (EOFError, OSError):
@@ -202,7 +204,7 @@ class RenderProcess:
                 self._child = Child(worker.main)
             return self._child
 
-    def _begin_again(self, why: str) -> Answer:
+    def _begin_again(self, why: str) -> Drawn:
         with self._changed:
             child, self._child = self._child, None
             jobs = list(self._waiting.values())

@@ -22,7 +22,7 @@ STOP = "stop"
 _SCENES = 2
 
 
-class _Stopped(Exception):
+class _Unwanted(Exception):
     """Nobody waits for this picture any more."""
 
 
@@ -55,7 +55,7 @@ class Painter:
         """The pair, or why there is none; None where it was stopped."""
         try:
             return self._pair(request)
-        except _Stopped:
+        except _Unwanted:
             return None
         except RigsimError as error:
             return Failed(" ".join(str(error).split()))
@@ -106,7 +106,7 @@ class Painter:
 
     def _may_stop(self) -> None:
         if self._connection is not None and self._connection.poll():
-            raise _Stopped
+            raise _Unwanted
 
 
 def _overlay(request: PairRequest, seen: Glance) -> tuple[bytes | None, Legend | None]:

@@ -20,10 +20,12 @@ class RigCurves:
     """Distance, m, and the error allowed there, mm."""
 
 
-def curves_of(found: RigNumbers) -> RigCurves:
-    """The curves that belong to the numbers."""
+def curves_of(found: RigNumbers, *, resting: bool = True) -> RigCurves:
+    """The curves that belong to the numbers; what takes long is left out unless the hand is `resting`."""
     if found.shown is None or found.distances is None:
         return RigCurves(None, None, None)
     rig, ends = found.shown.rig, (found.distances.near_m, found.distances.far_m)
     required = None if found.kept is None else (found.kept.at_mm / 1e3, found.kept.limit_mm)
-    return RigCurves(depth_curve(rig, found.shown.noise, *ends), overlap_curve(rig, *ends), required)
+    exact = rig.left.distortion is None and rig.right.distortion is None
+    depth = depth_curve(rig, found.shown.noise, *ends, bounds=resting or rig.is_rectified)
+    return RigCurves(depth, overlap_curve(rig, *ends) if resting or exact else None, required)

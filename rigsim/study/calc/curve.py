@@ -42,14 +42,18 @@ class OverlapCurve:
     """Share of the left image that the right one shows too (N,), 0 to 1."""
 
 
-def depth_curve(rig: StereoRig, noise: PixelNoise, near_m: float, far_m: float) -> DepthCurve:
-    """The depth error from `near_m` to `far_m`."""
+def depth_curve(
+    rig: StereoRig, noise: PixelNoise, near_m: float, far_m: float, *, bounds: bool = True
+) -> DepthCurve:
+    """The depth error from `near_m` to `far_m`; `bounds` take longer unless the rig is rectified."""
     z = np.geomspace(near_m, far_m, POINTS)
     points = np.zeros((POINTS, 3))
     points[:, 2] = z
     left, right = rig.project(points)
     seen = rig.left.contains(left) & rig.right.contains(right)
-    near, far = depth_bounds(rig, points, noise.disparity_std_px)
+    near = far = np.full(POINTS, np.nan)
+    if bounds:
+        near, far = depth_bounds(rig, points, noise.disparity_std_px)
     std = predict_depth_std(rig, points, noise)
     return DepthCurve(z, *(np.where(seen, 1e3 * item, np.nan) for item in (std, z - near, far - z)))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -38,6 +39,7 @@ def shared_plane(rig: StereoRig, depth_m: float, counts: tuple[int, int] = _GRID
     return np.asarray(points[rig.right.contains(rig.project(points)[1])])
 
 
+@lru_cache(maxsize=16)
 def rows_apart(rig: StereoRig, depth_m: float, *, sized: bool) -> RowsApart:
     """How far rows are apart at a distance, by exact projection; images have an edge where `sized`."""
     (on_axis,) = _rows(rig, np.array([[0.0, 0.0, depth_m]]))

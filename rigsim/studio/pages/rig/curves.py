@@ -20,15 +20,22 @@ def curves(session: Session, numbers: Latest[RigNumbers]) -> None:
             scale.props('dense no-caps unelevated aria-label="Axes"').classes("rig-toggle")
         chart = ui.echart(curve_options(log=False)).classes("rig-chart").props("data-testid=curves")
 
-    def refresh() -> None:
-        shown = curves_of(numbers())
+    def refresh(*, resting: bool = False) -> None:
+        shown = curves_of(numbers(), resting=resting)
         fill_curves(chart.options, shown.depth, shown.overlap, shown.required)
         chart.update()
+
+    def rest() -> None:
+        found = numbers().shown
+        if found is not None and not found.rig.is_rectified:
+            refresh(resting=True)
 
     def rescale() -> None:
         chart.options.clear()
         chart.options.update(curve_options(log=bool(scale.value)))
-        refresh()
+        refresh(resting=True)
 
     scale.on_value_change(rescale)
-    session.watch(refresh)
+    session.watch(refresh, now=False)
+    session.when_resting(rest)
+    refresh(resting=True)

@@ -13,6 +13,7 @@ from rigsim.studio.pages.rig.commands import commands
 from rigsim.studio.pages.rig.controls import controls
 from rigsim.studio.pages.rig.curves import curves
 from rigsim.studio.pages.rig.figures import figures
+from rigsim.studio.pages.rig.space import space
 from rigsim.studio.pages.rig.views import views
 from rigsim.studio.state import State
 from rigsim.studio.words import OF_RIG
@@ -50,4 +51,5 @@ def build(session: Session) -> None:
                 figures(session, numbers)
                 curves(session, numbers)
                 views(session, numbers)
+                space(session, numbers)
                 commands(session, numbers)
