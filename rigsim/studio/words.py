@@ -55,6 +55,8 @@ _DESIGN = (
 )
 OFF = ("off_yaw", "off_pitch", "off_roll", "off_baseline", "off_focal", "off_cx", "off_cy")
 """What the built rig is off by."""
+PINS = ("pin1", "pin2", "pin3", "pin4")
+"""Rigs that are compared, each the words of a rig as an address holds them."""
 
 ALL = (
     Word("rig", most_chars=_MOST_RIG_CHARS),
@@ -73,6 +75,7 @@ ALL = (
     *(Word(name, ("design",)) for name in ("region", "sort")),
     *(Word(name, ("tolerance",)) for name in OFF),
     Word("require", ("rig", "compare")),
+    *(Word(name, ("compare",), most_chars=_MOST_RIG_CHARS) for name in PINS),
 )
 """Every word; a new one is a line here."""
 

@@ -42,6 +42,21 @@ class Span:
         return round(_STEPS * (value - self.low) / (self.high - self.low))
 
 
+@dataclass(frozen=True, slots=True)
+class SignedSpan(Span):
+    """What a slider covers about 0, finest near it: equal ways are not equal steps."""
+
+    def value(self, step: float) -> float:
+        """The number at a slider's step."""
+        share = 2 * step / _STEPS - 1
+        return _round(self.high * share * abs(share))
+
+    def step(self, value: float) -> float:
+        """The step of a number, within the slider."""
+        share = min(max(value / self.high, -1.0), 1.0)
+        return round((1 + math.copysign(math.sqrt(abs(share)), share)) / 2 * _STEPS)
+
+
 def _round(value: float) -> float:
     """Three digits: what a hand on a slider can mean."""
     return float(f"{value:.3g}")
@@ -95,7 +110,13 @@ def text_box(
 
 
 def quantity_slider(
-    session: Session, word: str, label: str, kind: QuantityKind, span: Span, unset: float
+    session: Session,
+    word: str,
+    label: str,
+    kind: QuantityKind,
+    span: Span,
+    unset: float,
+    placeholder: str = "",
 ) -> None:
     """A box with a slider below, both of one quantity.
 
@@ -106,6 +127,7 @@ def quantity_slider(
         kind: names, units and bounds.
         span: what the slider covers.
         unset: where the slider stands while nothing is typed, or what is typed cannot be read.
+        placeholder: what is meant where nothing is typed.
     """
 
     def current() -> float:
@@ -122,7 +144,7 @@ def quantity_slider(
             box.set_value(text)
 
     with ui.column().classes("rig-slider"):
-        box = text_box(session, word, label, kind=kind)
+        box = text_box(session, word, label, kind=kind, placeholder=placeholder)
         slider = ui.slider(min=0, max=_STEPS, step=1, value=span.step(current()))
         slider.props(f'aria-label="{label}, slider" dense')
         slider.on("update:model-value", lambda event: dragged(float(event.args)), throttle=0.04)
@@ -152,7 +174,11 @@ def choice(session: Session, word: str, label: str, options: Mapping[str, str]) 
         dict(options), label=label, value=session.state[word] if session.state[word] in options else ""
     ).props("dense outlined options-dense")
     box.on_value_change(lambda event: session.type(**{word: event.value or ""}))
-    session.when_restored(lambda: box.set_value(current()))
+
+    def fill() -> None:
+        box.set_value(current())
+
+    session.when_restored(fill)
     return box
 
 

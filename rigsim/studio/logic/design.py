@@ -141,7 +141,7 @@ def find(state: State, like: Size | None = None) -> Feasible:
         state: the words.
         like: the image size whose region is shown where no word says one and it is tried.
     """
-    specification, sizes = None, ()
+    specification, sizes = None, tuple[Size, ...]()
     try:
         options = DesignOptions(**arguments(state), proof=False)
         specification, cameras = specified(options), cameras_tried(options)

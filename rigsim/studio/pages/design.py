@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from html import escape
 
 from nicegui import run, ui
@@ -126,7 +127,7 @@ class _Shown:
             with ui.element("div").classes("rig-buttons").style("margin-top:12px") as self._actions:
                 self._to_rig = ui.link("Show in Rig", "/rig").classes("rig-go")
                 for name in ("rig.toml", "design.csv", "design.json"):
-                    action(name, lambda name=name: self._download(name), icon="download")
+                    action(name, partial(self._download, name), icon="download")
                 action("HTML report", self._report, icon="download")
         with ui.element("section").classes("rig-panel w-full").props('aria-label="Trade-offs"'):
             self._table()
@@ -165,7 +166,7 @@ class _Shown:
                         button = ui.element("button").props("type=button").classes("rig-sort")
                         with button:
                             ui.label(column.name)
-                        button.on("click", lambda name=name: self._sort(name))
+                        button.on("click", partial(self._sort, name))
                     self._heads[name] = head
                 for name in ("camera", "show"):
                     with ui.element("th"):
@@ -260,7 +261,7 @@ class _Shown:
                         if way.state is None:
                             ui.label(way.text)
                         else:
-                            action(way.text, lambda state=way.state: self._session.show(state))
+                            action(way.text, partial(self._session.show, way.state))
 
     def _draw(self) -> None:
         found = self._found
