@@ -78,6 +78,12 @@ class RenderProcess:
         child = self._child
         return None if child is None else child.pid
 
+    @property
+    def waiting(self) -> tuple[str, ...]:
+        """Keys whose newest request has not been begun."""
+        with self._changed:
+            return tuple(self._waiting)
+
     async def draw(self, key: str, request: PairRequest) -> Drawn:
         """The pair; why there is none; or None where a newer request of the same key took its place.
 
