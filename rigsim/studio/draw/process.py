@@ -84,6 +84,12 @@ class RenderProcess:
         with self._changed:
             return tuple(self._waiting)
 
+    @property
+    def drawing(self) -> str | None:
+        """The key whose picture is being drawn."""
+        current = self._current
+        return None if current is None else current.key
+
     async def draw(self, key: str, request: PairRequest) -> Drawn:
         """The pair; why there is none; or None where a newer request of the same key took its place.
 
