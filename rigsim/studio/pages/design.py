@@ -189,6 +189,7 @@ class _Shown:
         whole = current and self._is_whole
         self._stale.set_content("" if whole else self._waiting())
         self._pick.classes(remove="rig-stale") if current else self._pick.classes("rig-stale")
+        self._pick.set_visibility(current or self._found.design is not None)
         self._actions.set_visibility(whole and self._advice is not None and not self._advice.fault)
 
     def rested(self) -> None:
@@ -206,7 +207,7 @@ class _Shown:
 
     def _waiting(self) -> str:
         if self._found.fault:
-            return "<p class=rig-soft>No rig: see above.</p>"
+            return "<p class=rig-soft>None: what the requirements need is said above.</p>"
         return "<p class=rig-soft>Built rigs are counted for these requirements …</p>"
 
     async def _advise(self) -> None:
