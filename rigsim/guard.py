@@ -7,10 +7,13 @@ from __future__ import annotations
 
 import contextlib
 import json
+import multiprocessing
 import os
+import signal
 import subprocess
 import sys
 import tempfile
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -54,6 +57,19 @@ def temporary_folder(prefix: str) -> Iterator[Path]:
     finally:
         guardian.remove(folder)
         let_go("path", folder)
+
+
+def end_with_parent() -> None:
+    """In a process of `multiprocessing`: be killed as soon as its parent has ended, killed or not."""
+    threading.Thread(target=_wait_for_parent, daemon=True).start()
+
+
+def _wait_for_parent() -> None:
+    """A parent that has ended wants no answer any more."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    parent.join()
+    os.kill(os.getpid(), signal.SIGKILL)
 
 
 def _tell(*message: str) -> None:

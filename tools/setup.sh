@@ -1,8 +1,8 @@
-# Sourced by ./run and ./check: `set_up run|check` makes .venv fit the checkout, once.
+# Sourced by ./run and ./check: `set_up run|studio|check` makes .venv fit the checkout, once.
 # Expects $root, the checkout's folder. Quiet when nothing is to do.
 # shellcheck shell=sh
 #
-# .venv/.rigsim-run and .venv/.rigsim-check are stamps: what the packages were installed from.
+# .venv/.rigsim-run, -studio and -check are stamps: what the packages were installed from.
 # .venv/.rigsim-unfinished stands while packages change; who finds it starts from an empty .venv.
 
 venv=${root:?}/.venv
@@ -56,7 +56,10 @@ install_all() {
     install_python_packages "$1"
     fingerprint
     write_stamp run
-    if [ "$1" = check ]; then write_stamp check; fi
+    case $1 in
+        check) write_stamp studio; write_stamp check ;;
+        studio) write_stamp studio ;;
+    esac
     trap - HUP INT TERM
 }
 
@@ -81,6 +84,7 @@ install_system_packages() {
     install_missing "GL" "rays only" libegl1 libopengl0 libgl1-mesa-dri
     if [ "$1" = check ]; then
         install_missing "a C++ compiler" "the test of the C++ example will fail" g++
+        install_missing "a browser" "the tests of the page in a browser are left out" chromium chromium-driver
     fi
 }
 
@@ -145,7 +149,8 @@ explain_python() {
 
 install_python_packages() {
     case $1 in
-        check) extras=dev,vision ;;
+        check) extras=dev,vision,studio ;;
+        studio) extras=vision,studio ;;
         *) extras=vision ;;
     esac
     mark_unfinished

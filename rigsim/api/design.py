@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from rigsim.interop.documents.base import Written
     from rigsim.present.kit.page import Cover
     from rigsim.present.kit.types import Figure, Table
+    from rigsim.study.design.least import LeastSize
     from rigsim.study.golden.compare import GoldenReport
 
 
@@ -80,10 +81,19 @@ class Designed(Result):
 
     @property
     def smallest_resolution(self) -> Candidate | None:
-        """The candidate with the fewest pixels that would do; None for none, or where one size was tried."""
+        """Of the sizes tried, the candidate with the fewest pixels that would do; None for none, or where one
+        size was tried."""
         from rigsim.study.design.buildable import smallest_resolution
 
         return smallest_resolution(self.found)
+
+    @property
+    def least_size(self) -> LeastSize | None:
+        """The image that would just do without build errors, in the field of view and shape of the rig to
+        take, tried or not; None where nothing limits the baseline."""
+        from rigsim.study.design.least import least_size
+
+        return least_size(recommended(self.found, self.proofs), self.found.specification)
 
     @property
     def figures(self) -> Mapping[str, Callable[[], Figure]]:
@@ -157,7 +167,9 @@ def design(options: DesignOptions) -> Designed:
         build_share: Share of that error's variance that noise leaves for errors of mounting and calibration.
         max_row_error_px: Largest row misalignment of a built rig's rectified pair, root mean square over the
             image, at every distance of the range, px: counted in the yields; any by default.
-        resolutions_px: Image sizes to try, (width, height), px; `sensors` are scaled down to them.
+        resolutions_px: Image sizes to try, (width, height), px; `sensors` are scaled down to them. With
+            `pixel_pitch_um` a smaller one is a crop, which sees less behind the same lens; with
+            `sensor_width_mm` it has larger pixels, and sees the same.
         sensors: Names of sensors to try.
         pixel_pitch_um: Pixel pitch of cameras without a sensor's name, micrometres.
         sensor_width_mm: Width of their pixels together, mm, instead.

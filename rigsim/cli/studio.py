@@ -15,7 +15,7 @@ _PORTS = (1, 65535)
 def studio(
     rig: Annotated[
         Path | None,
-        typer.Argument(metavar="[RIG]", help="A calibration to begin with.", show_default=False),
+        typer.Argument(metavar="RIG", help="A calibration to begin with.", show_default=False),
     ] = None,
     preset: Annotated[
         str | None, typer.Option(metavar="NAME", help="Begin with a rig by name; see rigsim presets.")

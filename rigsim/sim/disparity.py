@@ -1,4 +1,4 @@
-"""True disparity of every pixel of the left image."""
+"""True disparity of every pixel of the left image, and what both cameras see."""
 
 from __future__ import annotations
 
@@ -6,9 +6,13 @@ import numpy as np
 
 from rigsim.errors import InvalidRig
 from rigsim.rig.arrays import Array
+from rigsim.rig.stereo import StereoRig
 from rigsim.sim.frame import View
+from rigsim.sim.lens import ideal_grid
 from rigsim.sim.scenes.scene import Scene
 from rigsim.sim.truth import rays
+
+_HIDDEN = 1e-3  # of its depth, by which what hides a point is nearer
 
 
 def true_disparity(scene: Scene, left: View) -> Array:
@@ -33,3 +37,40 @@ def true_disparity(scene: Scene, left: View) -> Array:
     disparity = np.full(left.depth.shape, np.nan)
     disparity[seen] = np.where(visible, uv_left[:, 0] - uv_right[:, 0], np.nan)
     return disparity
+
+
+def drawn_points(rig: StereoRig, depth_left: Array) -> Array:
+    """What each left pixel shows, (H, W, 3) m in the left camera's frame; NaN for nothing."""
+    points = np.empty((*depth_left.shape, 3))
+    points[..., :2] = ideal_grid(rig.left) * depth_left[..., None]
+    points[..., 2] = depth_left
+    return points
+
+
+def drawn_disparity(rig: StereoRig, points_left: Array, depth_right: Array) -> Array:
+    """As `true_disparity`, (H, W) px, by the right camera's drawn depth (H, W) instead of by rays.
+
+    A point is hidden where all four right pixels about it show something nearer: along the edge of what hides
+    it, that is up to a pixel less than is hidden.
+
+    Args:
+        rig: the rig whose depths were drawn.
+        points_left: what each left pixel shows, (H, W, 3), as `drawn_points` gives it.
+        depth_right: of the right camera, (H, W), m; NaN for nothing.
+    """
+    right, shape = rig.right, points_left.shape[:-1]
+    points_right = rig.right_from_left.apply(points_left.reshape(-1, 3))
+    uv = right.project(points_right)
+    at = np.flatnonzero(right.contains(uv))
+    first = np.floor(uv[at]).astype(np.int32)
+    far = np.where(np.isnan(depth_right), np.inf, depth_right).ravel()
+    columns = [np.clip(first[:, 0] + step, 0, right.width - 1) for step in (0, 1)]
+    rows = [np.clip(first[:, 1] + step, 0, right.height - 1) * right.width for step in (0, 1)]
+    farthest = np.zeros(len(at))
+    for row in rows:
+        for column in columns:
+            np.maximum(farthest, far[row + column], out=farthest)
+    at = at[points_right[at, 2] * (1 - _HIDDEN) <= farthest]
+    disparity = np.full(points_left.size // 3, np.nan)
+    disparity[at] = at % shape[1] - uv[at, 0]
+    return disparity.reshape(shape)

@@ -108,11 +108,19 @@ def rectify_image(image: AnyImage, assumed: Intrinsics, target: Intrinsics) -> A
     return _per_channel(image, lambda channel: np.where(seen, _mean_of_spline(channel, [uv]), 0.0))
 
 
+@lru_cache(maxsize=4)
+def ideal_grid(intrinsics: Intrinsics) -> Array:
+    """Undistorted normalised coordinates (H, W, 2) of every pixel; read-only, as it is kept."""
+    v, u = np.mgrid[0 : intrinsics.height, 0 : intrinsics.width]
+    ideal = intrinsics.normalize(np.stack([u, v], axis=-1))
+    ideal.flags.writeable = False
+    return ideal
+
+
 @lru_cache(maxsize=2)
 def _undistorted_grid(intrinsics: Intrinsics) -> tuple[Array, Array]:
     """Ideal coordinates (H, W, 2) of every pixel, and their derivative (H, W, 2, 2) by distorted ones."""
-    v, u = np.mgrid[0 : intrinsics.height, 0 : intrinsics.width]
-    ideal = intrinsics.normalize(np.stack([u, v], axis=-1))
+    ideal = ideal_grid(intrinsics)
     if intrinsics.distortion is None:
         return ideal, np.broadcast_to(np.eye(2), (*ideal.shape, 2))
     J = intrinsics.distortion.jacobian(ideal)

@@ -40,8 +40,15 @@ class GlRenderer:
     _current: ClassVar[weakref.ref[GlRenderer] | None] = None
     """The one whose context is current: what GL is told goes there, whosever it is."""
 
-    def __init__(self, scene: Scene, backend: str, width: int, height: int) -> None:
+    def __init__(self, scene: Scene, backend: str, width: int, height: int, *, draft: bool = False) -> None:
         """Make a renderer for pictures up to `width` x `height` px; with `backs` it draws sheets' backs too.
+
+        Args:
+            scene: what is drawn.
+            backend: egl or osmesa.
+            width: of the widest picture, px.
+            height: of the highest picture, px.
+            draft: draw without shadows and with one sample a pixel: several times as fast.
 
         Raises:
             RenderUnavailable: GL does not start.
@@ -58,12 +65,14 @@ class GlRenderer:
         self._camera = mujoco.MjvCamera()
         self._camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
         self._options = scene.options
-        self._context = mujoco.MjrContext(scene.model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
+        self._scn.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = not draft
+        self._context = _make_context(scene.model, draft)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)
         self._context.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR
         self._facets = Facets(self._context, scene.model.vis.quality.numquads)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)
         self.backs = False
+        self.bends = False
 
     def light(self, side: int, lens: Intrinsics, supersample: int) -> Light:
         """Linear light (H, W, 3) that falls on the left (0) or right (1) camera through `lens`, 0 to 1.
@@ -88,16 +97,20 @@ class GlRenderer:
         light /= 255
         return light
 
-    def depth_and_segmentation(self, side: int) -> tuple[Array, Ids]:
+    def depth_and_segmentation(self, side: int, lens: Intrinsics | None = None) -> tuple[Array, Ids]:
         """Depth (H, W) m and geom id (H, W) at the pixel centres of the placed rig's camera.
 
         Both in one pass: with ids for colours, anti-aliasing is off.
 
+        Args:
+            side: the left (0) or right (1) camera.
+            lens: the pinhole to draw through, when it is not the rig's own.
+
         Raises:
-            RenderMismatch: the frustum is not the rig's.
+            RenderMismatch: the frustum is not the lens's.
             RenderUnavailable: the picture is larger than this renderer was made for.
         """
-        rect = self._aim(side, self._scene.lens(side))
+        rect = self._aim(side, lens or self._scene.lens(side))
         flags = self._scn.flags
         flags[mujoco.mjtRndFlag.mjRND_SEGMENT] = 1
         flags[mujoco.mjtRndFlag.mjRND_IDCOLOR] = 1
@@ -176,6 +189,17 @@ class GlRenderer:
         return table
 
 
+def _make_context(model: Any, draft: bool) -> Any:
+    """Buffers, textures and shapes in the GL context that is current."""
+    samples, shadow_px = model.vis.quality.offsamples, model.vis.quality.shadowsize
+    if draft:
+        model.vis.quality.offsamples = model.vis.quality.shadowsize = 0
+    try:
+        return mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
+    finally:
+        model.vis.quality.offsamples, model.vis.quality.shadowsize = samples, shadow_px
+
+
 def geom_slices(scene: Scene) -> Ids:
     """With how many slices each curved geom is drawn for the placed rig, (ngeom,): alike in both pictures."""
     radius_px = [
@@ -235,11 +259,20 @@ def check_frustum(lens: Intrinsics, drawn: tuple[float, float, float, float]) ->
         )
 
 
-def check_depth(scene: Scene, side: int, depth: Array, segmentation: Ids) -> float:
+def check_depth(
+    scene: Scene, side: int, depth: Array, segmentation: Ids, lens: Intrinsics | None = None
+) -> float:
     """Compare the rendered depth with rays at some pixels away from edges; returns the worst error, m.
 
     Boxes, planes and meshes are exact in both; curved primitives are drawn with facets, so they
     are only held to a share of their size.
+
+    Args:
+        scene: what was drawn.
+        side: the left (0) or right (1) camera.
+        depth: (H, W), m.
+        segmentation: geom ids, (H, W).
+        lens: what it was drawn through, when it is not the placed rig's own.
 
     Raises:
         RenderMismatch: they differ by more than that.
@@ -254,7 +287,7 @@ def check_depth(scene: Scene, side: int, depth: Array, segmentation: Ids) -> flo
     # evenly spread and the same in every run
     chosen = np.linspace(0, len(v) - 1, min(_CHECKED_PIXELS, len(v))).astype(np.int64)
     v, u = v[chosen] + 1, u[chosen] + 1
-    exact, geom = rays.depth_at(scene, side, np.column_stack([u, v]).astype(np.float64))
+    exact, geom = rays.depth_at(scene, side, np.column_stack([u, v]).astype(np.float64), lens)
     drawn, drawn_geom = depth[v, u], segmentation[v, u]
     # which of two geoms in the same place is seen is a matter of rounding: only the depth must agree
     error = np.abs(drawn - exact)

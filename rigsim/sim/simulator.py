@@ -36,12 +36,14 @@ class Renderer(Protocol):
     name: str
     backs: bool
     """Whether surfaces are drawn from behind as well."""
+    bends: bool
+    """Whether it draws through lenses that distort."""
 
     def light(self, side: int, lens: Intrinsics, supersample: int) -> Light:
         """Linear light (H, W, 3) on the left (0) or right (1) camera through `lens`."""
 
-    def depth_and_segmentation(self, side: int) -> tuple[Array, Ids]:
-        """Depth (H, W) m and geom id (H, W) at the pixel centres of the placed rig's camera."""
+    def depth_and_segmentation(self, side: int, lens: Intrinsics | None = None) -> tuple[Array, Ids]:
+        """Depth (H, W) m and geom id (H, W) at the pixel centres of the placed rig's camera, or of `lens`."""
 
     def close(self) -> None:
         """Give back what is held."""
@@ -79,8 +81,9 @@ class Simulator:
         from rigsim.sim.scenes.scene import load_scene
 
         self.scene: Scene = load_scene(named, mount)
-        self._renderer: Renderer | None = None
-        self._size = (0, 0)
+        self._renderers: dict[bool, Renderer] = {}  # by whether it draws drafts
+        self._sizes: dict[bool, tuple[int, int]] = {}
+        self._trusted = False  # what drafts show of surfaces' backs was held to rays
         self._remarks: dict[str, Remark] = {}
         self._looked_at = 0
 
@@ -136,6 +139,74 @@ class Simulator:
             views.append(View(renderer.light(side, drawn[side], supersample), depth, segmentation))
         return StereoFrame(*views)
 
+    def preview(self, draft: bool = True) -> StereoFrame:
+        """Both pictures of the placed rig as soon as they can be had, lens distortion included.
+
+        Args:
+            draft: one sample a pixel, no shadows, and the drawn depth held to rays for the first picture of a
+                scene alone; else what ``render(1)`` gives.
+
+        Raises:
+            InvalidRig: the distortion folds the picture over, or needs more than three times its width.
+            NothingSeen: a camera lies in a surface; not of a draft.
+            RenderMismatch: the renderer disagrees with the rig or with rays.
+            RenderUnavailable: the pictures are too large.
+        """
+        depths = self.preview_depth(draft)
+        left, right = (View(self.preview_light(side, draft), *depths[side]) for side in (0, 1))
+        return StereoFrame(left, right)
+
+    def preview_light(self, side: int, draft: bool = True) -> Light:
+        """The light of the left (0) or right (1) picture of `preview` alone: linear, (H, W, 3).
+
+        Args:
+            side: which.
+            draft: as `preview`.
+
+        Raises:
+            InvalidRig, RenderMismatch, RenderUnavailable: as `preview`.
+        """
+        from rigsim.sim import preview
+
+        return preview.light(self.scene, self._previewer(draft), side)
+
+    def preview_depth(self, draft: bool = True) -> tuple[tuple[Array, Ids], tuple[Array, Ids]]:
+        """The depth of `preview` alone: (H, W) m, NaN for nothing, and geom ids (H, W), left and right.
+
+        Args:
+            draft: as `preview`.
+
+        Raises:
+            InvalidRig, NothingSeen, RenderMismatch, RenderUnavailable: as `preview`.
+        """
+        from rigsim.sim.preview import pinhole_of, through
+
+        rig, renderer = self._placed(), self._previewer(draft)
+        if not draft:
+            self._looked()
+        cameras = (rig.left, rig.right)
+        lenses = tuple(camera if renderer.bends else pinhole_of(camera) for camera in cameras)
+        if renderer.bends or (draft and self._trusted):
+            drawn = [renderer.depth_and_segmentation(side, lenses[side]) for side in (0, 1)]
+        else:
+            drawn = self._drawn_depth(renderer, lenses)
+            self._trusted = self._trusted or draft
+        left, right = (
+            picture if lens == camera else through(camera, *picture)
+            for picture, lens, camera in zip(drawn, lenses, cameras, strict=True)
+        )
+        return left, right
+
+    def _previewer(self, draft: bool) -> Renderer:
+        from rigsim.sim.preview import pinhole_of
+        from rigsim.sim.render import buffer_size, check_size
+
+        rig = self._placed()
+        drawn = [pinhole_of(camera) for camera in (rig.left, rig.right)]
+        for lens in drawn:
+            check_size(lens, 1)
+        return self._ready([buffer_size(lens, 1) for lens in drawn], draft)
+
     def check(self, supersample: int = SUPERSAMPLE) -> None:
         """Hold the placed rig's drawn depth to rays, as `render` does, and draw no light.
 
@@ -163,8 +234,12 @@ class Simulator:
         self._looked()
         return renderer
 
-    def _drawn_depth(self, renderer: Renderer) -> list[tuple[Array, Ids]]:
+    def _drawn_depth(
+        self, renderer: Renderer, lenses: tuple[Intrinsics | None, ...] = (None, None)
+    ) -> list[tuple[Array, Ids]]:
         """Depth and geom ids of both pictures, drawn so that they are what rays hit.
+
+        Through the placed rig's cameras, or through `lenses`.
 
         MuJoCo leaves out the backs of surfaces, which rays hit: they are drawn where a scene shows any.
         """
@@ -173,10 +248,10 @@ class Simulator:
         first: RenderMismatch | None = None
         for backs in (False, True):
             renderer.backs = backs
-            pictures = [renderer.depth_and_segmentation(side) for side in (0, 1)]
+            pictures = [renderer.depth_and_segmentation(side, lenses[side]) for side in (0, 1)]
             try:
                 for side, picture in enumerate(pictures):
-                    check_depth(self.scene, side, *picture)
+                    check_depth(self.scene, side, *picture, lenses[side])
             except RenderMismatch as mismatch:
                 first = first or mismatch
             else:
@@ -259,27 +334,30 @@ class Simulator:
 
     def close(self) -> None:
         """Give the renderer back."""
-        if self._renderer is not None:
-            self._renderer.close()
-            self._renderer = None
+        for renderer in self._renderers.values():
+            renderer.close()
+        self._renderers.clear()
+        self._trusted = False
 
     def _placed(self) -> StereoRig:
         if self.scene.rig is None:
             raise InvalidRig("no rig was placed in the scene")
         return self.scene.rig
 
-    def _ready(self, sizes: list[tuple[int, int]]) -> Renderer:
+    def _ready(self, sizes: list[tuple[int, int]], draft: bool = False) -> Renderer:
         """The renderer, made anew when it is to draw larger pictures than before."""
         from rigsim.sim.render import GlRenderer
         from rigsim.sim.truth.rays import RayRenderer
 
-        need = (max(width for width, _ in sizes), max(height for _, height in sizes))
-        if self._renderer is not None and (need[0] > self._size[0] or need[1] > self._size[1]):
-            self.close()
-        if self._renderer is None:
-            self._size = (max(need[0], self._size[0]), max(need[1], self._size[1]))
+        had = self._sizes.get(draft, (0, 0))
+        need = (max(had[0], *(width for width, _ in sizes)), max(had[1], *(height for _, height in sizes)))
+        if draft in self._renderers and need != had:
+            self._renderers.pop(draft).close()
+        if draft not in self._renderers:
+            self._sizes[draft] = need
+            self._trusted = self._trusted and not draft
             if self.backend == "rays":
-                self._renderer = RayRenderer(self.scene)
+                self._renderers[draft] = RayRenderer(self.scene)
             else:
-                self._renderer = GlRenderer(self.scene, self.backend, *self._size)
-        return self._renderer
+                self._renderers[draft] = GlRenderer(self.scene, self.backend, *need, draft=draft)
+        return self._renderers[draft]

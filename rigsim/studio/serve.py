@@ -13,12 +13,10 @@ from nicegui import app, run, ui
 from starlette.requests import Request
 
 from rigsim.errors import InvalidRange
+from rigsim.studio.gate import LOOPBACK, stand_before
 from rigsim.studio.kit.session import Session
 from rigsim.studio.kit.shell import PAGES
 from rigsim.studio.state import State, read_state
-
-LOOPBACK = ("127.0.0.1", "localhost", "::1")
-"""Hosts that only this machine reaches."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,15 +50,9 @@ def serve(served: Served, ready: Callable[[str], None]) -> None:
     for name in PAGES:
         _route(name, served)
     ui.page("/")(lambda: ui.navigate.to(served.state.address(served.page)))
-    if token:
-        from rigsim.studio.token import require_token
-
-        require_token(app, token)
-    host = f"[{served.host}]" if ":" in served.host else served.host
-    address = f"http://{host}:{served.port}{served.state.address(served.page)}"
-    address += f"&token={token}" if token else ""
-    app.on_startup(lambda: ready(address))
-    run.process_pool_start_method = "spawn"  # a fork would copy the page's threads and their locks
+    stand_before(app, token)
+    app.on_startup(lambda: ready(address_of(served, token)))
+    run.process_pool_start_method = "spawn"  # a fork would copy the page\'s threads and their locks
     ui.run(
         host=served.host,
         port=served.port,
@@ -72,6 +64,14 @@ def serve(served: Served, ready: Callable[[str], None]) -> None:
         show_welcome_message=False,
         uvicorn_logging_level="error",
     )
+
+
+def address_of(served: Served, token: str) -> str:
+    """The link that opens the page."""
+    host = socket.gethostname() if served.host in ("0.0.0.0", "::") else served.host
+    host = f"[{host}]" if ":" in host else host
+    link = f"http://{host}:{served.port}{served.state.address(served.page)}"
+    return f"{link}&token={token}" if token else link
 
 
 def check_port(host: str, port: int) -> None:
@@ -97,7 +97,7 @@ def _route(name: str, served: Served) -> None:
     def page(request: Request) -> None:
         module = import_module(f"rigsim.studio.pages.{name}")
         state, remarks = read_state(dict(request.query_params))
-        session = Session(name, module.begin(state if state.words else served.state))
+        session = Session(name, module.begin(state if state.words else served.state), served.state["scene"])
         module.build(session)
         for remark in remarks:
             ui.notify(remark, type="warning", timeout=0, close_button="OK")

@@ -55,6 +55,8 @@ _DESIGN = (
 )
 OFF = ("off_yaw", "off_pitch", "off_roll", "off_baseline", "off_focal", "off_cx", "off_cy")
 """What the built rig is off by."""
+PINS = ("pin1", "pin2", "pin3", "pin4")
+"""Rigs that are compared, each the words of a rig as an address holds them."""
 
 ALL = (
     Word("rig", most_chars=_MOST_RIG_CHARS),
@@ -63,7 +65,8 @@ ALL = (
     *(Word(name, ("point",)) for name in ("left", "right")),
     Word("scene"),
     Word("z", ("rig", "compare")),
-    *(Word(name, ("design", "tolerance")) for name in ("range", "class", "max_row_error")),
+    *(Word(name, ("design", "tolerance")) for name in ("class", "max_row_error")),
+    Word("range", ("rig", "design", "tolerance", "compare")),
     Word("depth_error", ("design", "tolerance"), several=True),
     *(Word(name, ("design",)) for name in _DESIGN),
     Word("min_overlap", ("design",), several=True),
@@ -71,6 +74,8 @@ ALL = (
     *(Word(f"try_{name}", ("design",), flag=name.replace("_", "-")) for name in TRIED),
     *(Word(name, ("design",)) for name in ("region", "sort")),
     *(Word(name, ("tolerance",)) for name in OFF),
+    Word("require", ("rig", "compare")),
+    *(Word(name, ("compare",), most_chars=_MOST_RIG_CHARS) for name in PINS),
 )
 """Every word; a new one is a line here."""
 

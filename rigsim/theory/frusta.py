@@ -36,6 +36,8 @@ class Shared:
 
 def shared_view(rig: StereoRig, inverse_depth: float) -> Shared:
     """What both images show of the plane at Z = 1 / `inverse_depth` (1/m); at infinity when 0."""
+    if rig.left.distortion is None and rig.right.distortion is None:
+        return _shared_whole(rig, inverse_depth)
     kept: list[Array] = []
     area = 0.0
     for uv, seen in _pieces(rig, inverse_depth):
@@ -53,6 +55,17 @@ def shared_view(rig: StereoRig, inverse_depth: float) -> Shared:
     corners = np.concatenate(kept) if kept else np.empty((0, 2))
     share = area / (rig.left.width * rig.left.height)
     return Shared(min(share, 1.0), corners) if share > 0 else Shared(0.0, np.empty((0, 2)))
+
+
+def _shared_whole(rig: StereoRig, inverse_depth: float) -> Shared:
+    """The same for two pinholes: the left image is one piece, and one cut is exact."""
+    camera = rig.left
+    u, v = (-0.5, camera.width - 0.5), (-0.5, camera.height - 0.5)
+    corners = np.array([(u[0], v[0]), (u[1], v[0]), (u[1], v[1]), (u[0], v[1])])
+    edges = _right_edges(rig.right, _seen_right(rig, corners, inverse_depth))
+    part = corners if bool((edges >= 0).all()) else _clip(np.hstack([corners, edges]))
+    share = float(_areas(part[None])[0]) / (camera.width * camera.height) if len(part) else 0.0
+    return Shared(min(share, 1.0), part) if share > 0 else Shared(0.0, np.empty((0, 2)))
 
 
 def outline(camera: Intrinsics) -> Array:
@@ -122,16 +135,12 @@ def nearest_common_depth(rig: StereoRig) -> float:
 def _pieces(rig: StereoRig, inverse_depth: float) -> Iterator[tuple[Array, Array]]:
     """Polygons (N, K, 2) px of the left image, with where the right one shows their corners (N, K, 3)."""
     camera = rig.left
-    exact = camera.distortion is None and rig.right.distortion is None
-    columns, rows = (1, 1) if exact else _CELLS
+    columns, rows = _CELLS
     u, v = np.meshgrid(
         np.linspace(-0.5, camera.width - 0.5, columns + 1), np.linspace(-0.5, camera.height - 0.5, rows + 1)
     )
     uv = np.stack([u, v], axis=-1)
     cells = np.stack([uv[:-1, :-1], uv[:-1, 1:], uv[1:, 1:], uv[1:, :-1]], axis=2).reshape(-1, 4, 2)
-    if exact:
-        yield cells, _seen_right(rig, cells, inverse_depth)
-        return
     triangles = np.concatenate([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
     for _ in range(_SPLITS + 1):
         seen = _seen_right(rig, triangles, inverse_depth)
@@ -167,21 +176,22 @@ def _right_edges(camera: Intrinsics, seen: Array) -> Array:
 def _clip(polygon: Array) -> Array:
     """The part (M, 2) of a convex polygon (N, 2 + E) where all of the numbers after the first two are >= 0.
 
-    Sutherland and Hodgman, CACM 1974.
+    Sutherland and Hodgman, CACM 1974; on plain numbers, as there are few.
     """
+    corners: list[list[float]] = polygon.tolist()
     for edge in range(2, polygon.shape[1]):
-        height = polygon[:, edge]
-        kept: list[Array] = []
-        for i in range(len(polygon)):
-            if (height[i] >= 0) != (height[i - 1] >= 0):
-                share = height[i - 1] / (height[i - 1] - height[i])
-                kept.append(polygon[i - 1] + share * (polygon[i] - polygon[i - 1]))
-            if height[i] >= 0:
-                kept.append(polygon[i])
+        kept: list[list[float]] = []
+        for i, here in enumerate(corners):
+            before = corners[i - 1]
+            if (here[edge] >= 0) != (before[edge] >= 0):
+                share = before[edge] / (before[edge] - here[edge])
+                kept.append([a + share * (b - a) for a, b in zip(before, here, strict=True)])
+            if here[edge] >= 0:
+                kept.append(here)
         if len(kept) < 3:
             return np.empty((0, 2))
-        polygon = np.array(kept)
-    return np.asarray(polygon[:, :2])
+        corners = kept
+    return np.array(corners)[:, :2]
 
 
 def _areas(polygons: Array) -> Array:

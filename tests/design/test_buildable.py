@@ -102,12 +102,43 @@ def test_the_smallest_resolution_that_would_do() -> None:
     document = found.document()
     assert document["smallest_resolution"]["width_px"] == 640
     said = " ".join(console.sentences(found.found, found.proofs))
-    assert "By formula the smallest resolution that will do is 640x480 px, with a baseline of" in said
+    assert (
+        "By formula the smallest of the resolutions tried that will do is 640x480 px, with a baseline of"
+        in said
+    )
     built = rigsim.design(**asked, resolutions_px=sizes)
     assert built.smallest_resolution is not None
     assert built.smallest_resolution.camera.width_px == built.rig.left.width > 640
     said = " ".join(console.sentences(built.found, built.proofs))
-    assert f"no smaller resolution than {built.rig.left.width}x" in said
+    assert f"the smallest of the resolutions tried that will do is {built.rig.left.width}x" in said
     alone = rigsim.design(**asked, resolutions_px=(2560, 1920))
     assert alone.document()["smallest_resolution"] is None
     assert "resolution" not in " ".join(console.sentences(alone.found, alone.proofs))
+
+
+@pytest.mark.parametrize("size", [(640, 480), (2560, 1920)])
+def test_the_size_that_would_just_do_is_told_of_one_size_too(size: tuple[int, int]) -> None:
+    """By hand: 530.3 px of focal length, 2 tan 30 deg times as wide, are 612.4 px, and 459.3 down."""
+    asked = {"range_m": (1.5, 3), "depth_error_mm": 30, "lenses_deg": 60, "proof": False}
+    found = rigsim.design(**asked, max_baseline_mm=200, resolutions_px=size)
+    least = found.least_size
+    assert least is not None
+    assert (least.width_px, least.height_px, least.baseline_m) == (613, 460, pytest.approx(0.2))
+    said = " ".join(console.sentences(found.found, found.proofs))
+    assert "613x460 px would just do by formula, with a baseline of 200 mm and no build errors" in said
+    assert found.document()["least_size"] == {"width_px": 613, "height_px": 460, "baseline_mm": 200.0}
+    # it does, and one a hundredth smaller does not
+    exact = rigsim.design(**asked, max_baseline_mm=200, resolutions_px=(613, 460), prefer="cheapest")
+    assert exact.rig.baseline_m == pytest.approx(0.2, rel=2e-3)
+    with pytest.raises(rigsim.RigsimError, match="no rig meets all requirements"):
+        rigsim.design(**asked, max_baseline_mm=200, resolutions_px=(606, 455))
+
+
+def test_a_search_of_the_matcher_does_not_set_the_size() -> None:
+    """A smaller image has smaller disparities: f B / Z is held by noise and the error asked for alone."""
+    asked = {"range_m": (1.5, 3), "depth_error_mm": 30, "lenses_deg": 60, "proof": False}
+    found = rigsim.design(**asked, max_disparity_px=100, resolutions_px=(2560, 1920))
+    least = found.least_size
+    # overlap at 1.5 m: 0.5 x 2 tan 30 deg x 1.5 m = 0.866 m
+    assert least is not None
+    assert (least.width_px, least.baseline_m) == (142, pytest.approx(0.8660, abs=1e-4))

@@ -102,7 +102,8 @@ def machine(tmp_path: Path) -> Machine:
     (fakes / "bin").mkdir(parents=True)
     for name in ("run", "check", "tools/setup.sh", "pyproject.toml", "constraints.txt"):
         shutil.copy(CHECKOUT / name, root / name)
-    stand_ins = dict.fromkeys(PYTHONS, PYTHON) | {"id": ID, "apt-get": APT_GET, "dpkg-query": DPKG_QUERY}
+    others = {"id": ID, "apt-get": APT_GET, "dpkg-query": DPKG_QUERY, "chromium": "", "chromedriver": ""}
+    stand_ins = dict.fromkeys(PYTHONS, PYTHON) | others
     for name, text in stand_ins.items():
         (fakes / "bin" / name).write_text(text)
         (fakes / "bin" / name).chmod(0o755)
@@ -126,6 +127,15 @@ def test_first_call_sets_up_and_every_call_runs_the_program(machine: Machine, tm
     link = tmp_path / "fakes" / "bin" / "link"
     link.symlink_to(machine.root / "run")
     assert machine.call(str(link), "x") == (0, "rigsim x\n", "")
+    assert machine.calls() == []
+
+
+def test_studio_brings_what_the_page_needs_and_keeps_it(machine: Machine) -> None:
+    code, out, _ = machine.call("run", "studio", "--no-browser")
+    assert (code, out) == (0, "rigsim studio --no-browser\n")
+    assert machine.calls()[1].endswith("-e .[vision,studio]")
+    for words in (("run", "studio"), ("run", "--version")):
+        machine.call(*words)
     assert machine.calls() == []
 
 
@@ -177,7 +187,7 @@ def test_check_adds_the_tools_and_serves_run_too(machine: Machine) -> None:
     machine.calls()
     assert machine.call("check")[0] == 0
     (pip,) = machine.calls()
-    assert pip.endswith("-e .[dev,vision]")
+    assert pip.endswith("-e .[dev,vision,studio]")
     assert machine.call("run")[2] == ""
     assert machine.call("check")[2] == ""
     assert machine.calls() == []
@@ -313,6 +323,7 @@ def test_check_needs_a_compiler_too(machine: Machine) -> None:
         "apt-get update -qq",
         "apt-get install -y -qq --no-install-recommends libegl1 libopengl0 libgl1-mesa-dri",
         "apt-get install -y -qq --no-install-recommends g++",
+        "apt-get install -y -qq --no-install-recommends chromium chromium-driver",
     ]
 
 
@@ -344,7 +355,7 @@ def test_bench_runs_the_benchmarks(machine: Machine) -> None:
 def test_docs_builds_the_site_with_what_check_needs(machine: Machine) -> None:
     code, out, _ = machine.call("run", "docs", "--no-serve")
     assert (code, out) == (0, "python tools/docs.py --no-serve\n")
-    assert machine.calls()[1].endswith("-e .[dev,vision]")
+    assert machine.calls()[1].endswith("-e .[dev,vision,studio]")
     machine.tell("docs-fail")
     assert machine.call("run", "docs")[0] == 1
     code, out, _ = machine.call("check")

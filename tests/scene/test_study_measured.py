@@ -195,8 +195,8 @@ def test_what_nobody_measures_is_not_drawn_but_held_to_rays(monkeypatch: pytest.
     # a renderer that draws another depth than rays hit is found out all the same
     original = GlRenderer.depth_and_segmentation
 
-    def further(self: GlRenderer, side: int) -> Any:
-        depth, ids = original(self, side)
+    def further(self: GlRenderer, *of: Any) -> Any:
+        depth, ids = original(self, *of)
         return 1.01 * depth, ids
 
     monkeypatch.setattr(GlRenderer, "depth_and_segmentation", further)

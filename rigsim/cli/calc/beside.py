@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from rigsim.api.calc.better import Rated, better, modes_of
 from rigsim.api.calc.fact import Fact, values
-from rigsim.cli.calc.better import Rated, better, modes_of
 from rigsim.cli.kit.answer import print_remarks
 from rigsim.cli.kit.facts import Form, print_facts
 from rigsim.cli.kit.golden import GoldenWords

@@ -18,12 +18,11 @@ from rigsim.cli.kit.options import Csv, Json, Markdown, Principal, takes, takes_
 from rigsim.errors import InvalidRange
 from rigsim.typed import quantity
 from rigsim.typed.rigs import RigOptions, single_rig
+from rigsim.typed.search import searched
 
 if TYPE_CHECKING:
     from rigsim.rig.remark import Remark
     from rigsim.rig.stereo import StereoRig
-
-_SEARCH = (1.0, 128.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +75,7 @@ def limits(options: RigOptions, words: LimitsWords, golden: GoldenWords) -> None
     shift, reach = words.shift, words.reach
     if shift is not None and reach is not None:
         raise InvalidRange("--shift and --reach both given: --reach finds the shift, give one")
-    search = _search(options, words.disparities)
+    search = searched(options, words.disparities)
     shift_px = quantity.value(shift, quantity.DISPARITY) if shift is not None else 0.0
     reached = _reach(rig, search, reach) if reach is not None else Reached(shift_px, "added to both", ())
 
@@ -118,16 +117,6 @@ def _tell(
         rows=[[*ahead, *facts] for facts in at],
         golden=golden,
     )
-
-
-def _search(options: RigOptions, disparities: str | None) -> Search:
-    if disparities is not None:
-        return Search(*quantity.span(disparities, quantity.DISPARITY), "as asked")
-    published = options.published_search()
-    if published is None:
-        return Search(*_SEARCH, "assumed")
-    (low_px, high_px), says = published
-    return Search(low_px, high_px, says)
 
 
 def _reach(rig: StereoRig, search: Search, reach: str) -> Reached:

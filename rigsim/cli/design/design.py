@@ -78,16 +78,29 @@ class DesignWords:
     ] = None
     resolution: Annotated[
         str | None,
-        typer.Option(help="Image sizes to try: 640x480,1280x960; a --sensor is scaled down to them."),
+        typer.Option(
+            help="Image sizes to try: 640x480,1280x960. A --sensor is scaled down to them; with "
+            "--pixel-pitch a smaller one is a crop, with --sensor-width it has larger pixels."
+        ),
     ] = None
     sensor: Annotated[
         str | None, typer.Option(metavar="NAME,...", help="Sensors to try; see `rigsim scenes`.")
     ] = None
     pixel_pitch: Annotated[
-        str | None, typer.Option(metavar="LENGTH", help="Pixel pitch of cameras without a name: 3.45um.")
+        str | None,
+        typer.Option(
+            metavar="LENGTH",
+            help="Pixel pitch of cameras without a name: 3.45um, at every --resolution: a smaller one is a "
+            "crop, with less field of view behind the same lens.",
+        ),
     ] = None
     sensor_width: Annotated[
-        str | None, typer.Option(metavar="LENGTH", help="Width of all their pixels, instead: 6.4mm.")
+        str | None,
+        typer.Option(
+            metavar="LENGTH",
+            help="Width of all their pixels, instead: 6.4mm, at every --resolution: a smaller one is scaled, "
+            "with the same field of view.",
+        ),
     ] = None
     crop: Annotated[
         str | None, typer.Option(metavar="WxH", help="Part of each --sensor that is read: 1920x1080.")

@@ -160,7 +160,8 @@ class SweepDocument(Part):
     best: list[int]
     """Places in rows of the configurations to take, best first."""
     recommended: int | None
-    """Place of the row to take: the best that meets what --require asks for; null for none, or unasked."""
+    """Place of the row to take: the shortest baseline that meets what --require asks for, of those that cover
+    enough; null for none, or unasked."""
     requirements: list[RequirementPart]
     """What --require asks for; empty where nothing is asked."""
     compared: Compared | None

@@ -13,6 +13,7 @@ from rigsim.present.kit.console import make_console, print_table
 from rigsim.present.kit.format import MISSING, number, plain
 from rigsim.study.design import words as words
 from rigsim.study.design.buildable import leaves_resolution_open, smallest_resolution
+from rigsim.study.design.least import least_size
 from rigsim.study.design.proof import Proof, held_to, recommended, verdict
 from rigsim.study.design.solve import Candidate, Design, Specification
 from rigsim.study.design.tolerance import DesignTolerance
@@ -61,7 +62,7 @@ def sentences(design: Design, proofs: Sequence[Proof]) -> tuple[str, ...]:
     said.append(
         f"{n} of {len(design.intervals)} cameras qualify; {design.preference} first, with margin preferred."
     )
-    said += _smallest(design, pick)
+    said += [*_smallest(design, pick), *_least(design, pick)]
     return tuple(said)
 
 
@@ -75,11 +76,22 @@ def _smallest(design: Design, pick: Candidate) -> list[str]:
     if found is None:
         return [f"At no resolution tried should {rigs} hold it."]
     size = f"{found.camera.width_px}x{found.camera.height_px} px"
-    if found.camera.pixels == pick.camera.pixels:
-        return [f"By formula no smaller resolution than {size} will do{built}."]
+    where = (
+        ""
+        if found.camera.pixels == pick.camera.pixels
+        else f", with a baseline of {words.size(found.baseline_m, 4)}"
+    )
+    return [f"By formula the smallest of the resolutions tried that will do is {size}{where}{built}."]
+
+
+def _least(design: Design, pick: Candidate) -> list[str]:
+    """The size that would just do, whether it was tried or not."""
+    found = least_size(pick, design.specification)
+    if found is None:
+        return []
     return [
-        f"By formula the smallest resolution that will do is {size}, with a baseline of "
-        f"{words.size(found.baseline_m, 4)}{built}."
+        f"With this field of view and shape {found.width_px}x{found.height_px} px would just do by formula, "
+        f"with a baseline of {words.size(found.baseline_m, 4)} and no build errors."
     ]
 
 

@@ -46,7 +46,7 @@ def tolerance_says(tolerance: DesignTolerance) -> str:
         _must_hold(tolerance),
         _who(tolerance),
         _worse(tolerance),
-        _help(tolerance.best, tolerance.advice),
+        advice_says(tolerance.best, tolerance.advice),
     )
     return " ".join(part for part in told if part)
 
@@ -144,22 +144,31 @@ def _who(tolerance: DesignTolerance) -> str:
     return f"{said}; no class is enough: a yield of 95 % is required."
 
 
-def _help(best: Best, tried: Sequence[Attempt]) -> str:
+def advice_says(best: Best, tried: Sequence[Attempt]) -> str:
     """What of all that was tried would do, else what helps, else that nothing does; empty without any."""
     if not tried:
         return ""
     how = "recalibrated" if best.recalibrated else "as built"
-    nearest = f"The closest is {best.name} {how}, {words.share(best.count.share)} %"
+    nearest = f"The closest is class {best.name}, {how}, {words.share(best.count.share)} %"
     enough = _shortest([item for item in tried if item.count.is_enough])
     if enough:
-        said = "; or ".join(f"{attempt(item)} ({words.share(item.count.share)} %)" for item in enough)
-        return f"{nearest}: enough would be {said}."
+        return f"{nearest}: enough would be {'; or '.join(map(_counted, enough))}."
     helping = sorted((item for item in tried if item.helps(best.count)), key=lambda item: -item.count.share)
     if helping:
-        said = ", ".join(f"{attempt(item)} ({words.share(item.count.share)} %)" for item in helping)
-        return f"{nearest}; these help, but not enough alone: {said}."
-    said = ", ".join(attempt(item) for item in tried)
-    return f"{nearest}; nothing that was tried helps: {said}. Relax the requirement, or raise --build-share."
+        short_of = ", ".join(_counted(item) for item in helping if item.count.is_enough is False)
+        untold = ", ".join(_counted(item) for item in helping if item.count.is_enough is None)
+        said = [f"these help it, but not enough alone: {short_of}"] if short_of else []
+        said += [f"these may be enough for it, which so few rigs do not tell: {untold}"] if untold else []
+        return f"{nearest}; {'; '.join(said)}."
+    without = ", ".join(attempt(item) for item in tried)
+    return (
+        f"{nearest}; nothing that was tried helps: {without}. Relax the requirement, or raise --build-share."
+    )
+
+
+def _counted(item: Attempt) -> str:
+    """What was changed, and the good rigs then, %."""
+    return f"{attempt(item)} ({words.share(item.count.share)} %)"
 
 
 def _shortest(enough: Sequence[Attempt]) -> list[Attempt]:

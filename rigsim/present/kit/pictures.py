@@ -52,6 +52,12 @@ def depth_picture(depth_m: npt.ArrayLike, limits_m: tuple[float, float] | None =
     return _colored(inverse, None if limits_m is None else (1 / limits_m[1], 1 / limits_m[0]))
 
 
+def error_picture(error: npt.ArrayLike, limits: tuple[float, float] | None = None) -> Image:
+    """Expected error (H, W), in whatever unit `limits` is, as colours (H, W, 3), large is bright; NaN and
+    infinite are dark grey. `limits` as of `disparity_picture`."""
+    return _colored(np.asarray(error, dtype=np.float64), limits)
+
+
 def with_scale(picture: Image, limits: tuple[float, float], label: str) -> Image:
     """The picture (H, W, 3) above a colour bar that says what its colours mean."""
     from rigsim.present.kit.scale import scale_strip

@@ -15,6 +15,7 @@ import numpy as np
 
 from rigsim.present.kit.footprint import CameraView, Footprint, footprint
 from rigsim.present.kit.format import length, length_mm
+from rigsim.present.live import ink
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
 
@@ -117,22 +118,7 @@ def _paper(rig: StereoRig, view: Footprint, at: Sequence[Array], reach_m: float)
 
 
 def _polygon(paper: _Paper, corners: Array, style: str) -> str:
-    if len(corners) < 3:
-        return ""
-    path = " ".join(f"{x:.1f},{y:.1f}" for x, y in (paper.at(corner) for corner in corners))
-    return f'<polygon points="{path}" style="{style}"/>'
-
-
-def _line(start: tuple[float, float], end: tuple[float, float], style: str) -> str:
-    return (
-        f'<line x1="{start[0]:.1f}" y1="{start[1]:.1f}" x2="{end[0]:.1f}" y2="{end[1]:.1f}" style="{style}"/>'
-    )
-
-
-def _text(at: tuple[float, float], words: str, style: str, anchor: str = "middle") -> str:
-    return (
-        f'<text x="{at[0]:.1f}" y="{at[1]:.1f}" text-anchor="{anchor}" style="{style}">{escape(words)}</text>'
-    )
+    return ink.polygon([paper.at(corner) for corner in corners], style)
 
 
 def _views(paper: _Paper, view: Footprint) -> Iterable[str]:
@@ -147,20 +133,22 @@ def _views(paper: _Paper, view: Footprint) -> Iterable[str]:
     for camera, color in ((view.left, "left"), (view.right, "right")):
         for edge in (camera.left_edge, camera.right_edge):
             ends = paper.at(camera.center), paper.at(camera.center + reach * edge)
-            yield _line(*ends, f"stroke:var(--rig-{color});stroke-opacity:.55")
+            yield ink.line(*ends, f"stroke:var(--rig-{color});stroke-opacity:.55")
     yield "</g>"
 
 
 def _point(paper: _Paper, view: Footprint, xz: Array, point: PlanPoint) -> Iterable[str]:
     yield '<g clip-path="url(#plan-window)">'
     for camera, color in ((view.left, "left"), (view.right, "right")):
-        yield _line(paper.at(camera.center), paper.at(xz), f"stroke:var(--rig-{color});stroke-width:1.8")
+        yield ink.line(paper.at(camera.center), paper.at(xz), f"stroke:var(--rig-{color});stroke-width:1.8")
     if point.near_m > 0:
         shift = xz[1] - point.xyz_left[2]
         far = point.far_m if math.isfinite(point.far_m) else 1e3 * point.xyz_left[2]
         x, _ = paper.at(xz)
         high, low = paper.down(max(far + shift, xz[1])), paper.down(point.near_m + shift)
-        yield _line((x, low), (x, max(high, -1e4)), "stroke:var(--rig-ink);stroke-width:5;stroke-opacity:.35")
+        yield ink.line(
+            (x, low), (x, max(high, -1e4)), "stroke:var(--rig-ink);stroke-width:5;stroke-opacity:.35"
+        )
     yield "</g>"
     x, y = paper.at(xz)
     yield f'<circle cx="{x:.1f}" cy="{y:.1f}" r="5.5" style="fill:var(--rig-ink);stroke:var(--rig-paper)"/>'
@@ -169,7 +157,7 @@ def _point(paper: _Paper, view: Footprint, xz: Array, point: PlanPoint) -> Itera
         words += f" ± {length_mm(point.std_mm)}"
     left_half = x < WIDTH / 2
     at = x + (12 if left_half else -12), min(max(y + 5, _TOP + 14), HEIGHT - _BOTTOM - 8)
-    yield _text(
+    yield ink.text(
         at, words, "font-size:15px;font-weight:600;fill:var(--rig-ink)", "start" if left_half else "end"
     )
 
@@ -182,7 +170,7 @@ def _cameras(paper: _Paper, view: Footprint, rig: StereoRig) -> Iterable[str]:
     left, right = paper.at(view.left.center), paper.at(view.right.center)
     below = min(max(left[1], right[1]) + size * paper.scale + 15, HEIGHT - _BOTTOM - 3)
     words = f"B = {length(rig.baseline_m)}"
-    yield _text(
+    yield ink.text(
         ((left[0] + right[0]) / 2, below), words, "font-size:14px;font-weight:600;fill:var(--rig-ink)"
     )
 
@@ -195,30 +183,20 @@ def _body(camera: CameraView, size_m: float) -> Array:
 
 def _axes(paper: _Paper) -> Iterable[str]:
     (x_low, z_low), (x_high, _), (_, z_high), _ = paper.corners
-    step = _round_step(max(x_high - x_low, z_high - z_low) / _TICKS)
+    step = ink.round_step(max(x_high - x_low, z_high - z_low) / _TICKS)
     unit, per_m = ("mm", 1e3) if z_high < 1.0 else ("m", 1.0)
     soft = "stroke:var(--rig-rule)"
     small = "font-size:12.5px;fill:var(--rig-soft)"
-    for z in _ticks(z_low, z_high, step):
+    for z in ink.ticks(z_low, z_high, step):
         y = paper.down(z)
-        yield _line((_LEFT, y), (WIDTH - _RIGHT, y), soft)
-        yield _text((_LEFT - 7, y + 4), f"{z * per_m:g}", small, "end")
-    for x in _ticks(x_low, x_high, step):
+        yield ink.line((_LEFT, y), (WIDTH - _RIGHT, y), soft)
+        yield ink.text((_LEFT - 7, y + 4), f"{z * per_m:g}", small, "end")
+    for x in ink.ticks(x_low, x_high, step):
         at, _ = paper.at((x, 0.0))
-        yield _line((at, _TOP), (at, HEIGHT - _BOTTOM), soft)
-        yield _text((at, HEIGHT - _BOTTOM + 16), f"{x * per_m:g}", small)
-    yield _text(((_LEFT + WIDTH - _RIGHT) / 2, HEIGHT - 5), f"to the right, {unit}", small)
+        yield ink.line((at, _TOP), (at, HEIGHT - _BOTTOM), soft)
+        yield ink.text((at, HEIGHT - _BOTTOM + 16), f"{x * per_m:g}", small)
+    yield ink.text(((_LEFT + WIDTH - _RIGHT) / 2, HEIGHT - 5), f"to the right, {unit}", small)
     yield (
         f'<text transform="translate(14 {HEIGHT / 2}) rotate(-90)" text-anchor="middle" style="{small}">'
         f"forward, {unit}</text>"
     )
-
-
-def _round_step(step: float) -> float:
-    power = 10.0 ** math.floor(math.log10(step))
-    return next((nice * power for nice in (1.0, 2.0, 5.0) if nice * power >= step), 10.0 * power)
-
-
-def _ticks(low: float, high: float, step: float) -> list[float]:
-    first, last = math.ceil(low / step), math.floor(high / step)
-    return [round(index * step, 12) for index in range(first, last + 1)]

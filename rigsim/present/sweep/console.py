@@ -54,7 +54,7 @@ def print_sweep(result: SweepResult, folder: Path | None = None, *, console: Con
     shared = [axis for axis in axes if axis not in varied]
     title = f"Best {len(places)} of {count(len(rows))}" if len(rows) > len(places) else "Result"
     if result.requirements and len(rows) > len(places):
-        title = f"The rig of the answer, and the best of the other {count(len(rows) - 1)}"
+        title = _asked_title(result)
     if shared:
         title += ", with " + ", ".join(
             f"{axis.heading} {axis.say(best.iloc[0][axis.column])}" for axis in shared
@@ -77,6 +77,21 @@ def print_sweep(result: SweepResult, folder: Path | None = None, *, console: Con
         say(console, f"Report: {folder / 'report.html'}", "bold")
 
 
+def _asked_title(result: SweepResult) -> str:
+    """What stands in the table where something is asked: the rows that meet it before the others."""
+    from rigsim.study.sweep.requirement import verdicts
+
+    n, n_met = len(result.rows), verdicts(result.requirements).count("met")
+    if n_met < 2:
+        return f"The rig of the answer, and the best of the other {count(n - 1)}"
+    others = "the other one" if n_met == 2 else f"others of the {count(n_met)}"
+    if n_met >= _MOST_BEST:
+        return f"The rig of the answer, and {others} that meet it"
+    return (
+        f"The rig of the answer, {others} that meet{'s' if n_met == 2 else ''} it, and the best of the rest"
+    )
+
+
 @dataclass(frozen=True, slots=True)
 class _Column:
     head: str
@@ -95,13 +110,15 @@ def _sweep_columns(
         for axis in axes
     ]
     agreement = tuple(kinds(best))
+    # what is asked for at a distance is not judged by the error at all distances together
+    together = 6 if result.requirements else 9
     return [
         *columns,
-        _Column("simulated\nRMS, mm", tuple(map(number, best[col.DEPTH_RMSE])), True, 9),
+        *_requirement_columns(result, places),
+        _Column("simulated\nRMS, mm", tuple(map(number, best[col.DEPTH_RMSE])), True, together),
         _Column("predicted\nRMS, mm", tuple(map(number, best[col.PREDICTED_DEPTH_RMSE])), True, 5),
         _Column("predicted/\nsimulated", tuple(map(ratio, best[col.PREDICTED_OVER_SIMULATED])), True, 3),
         _Column("seen by\nboth, %", tuple(map(percent, best[col.VISIBLE_FRACTION])), True, 2),
-        *_requirement_columns(result, places),
         _Column("limited by", tuple(result.limits[place] for place in places), False, 4),
         *_measured_columns(best),
         _Column("agreement", agreement, False, 9),
@@ -109,12 +126,23 @@ def _sweep_columns(
 
 
 def _requirement_columns(result: SweepResult, places: list[int]) -> list[_Column]:
-    """Whether the rows keep what was asked, where something was."""
+    """The error at each distance asked for, and whether the rows keep it, where something is asked."""
     from rigsim.present.sweep.requirement_words import WORDS
     from rigsim.study.sweep.requirement import verdicts
 
     found = verdicts(result.requirements)
-    return [_Column("required", tuple(WORDS[found[place]] for place in places), False, 9)] if found else []
+    if not found:
+        return []
+    columns = [
+        _Column(
+            f"at {one.asked.at_mm / 1e3:.4g} m\n{'p95' if one.asked.p95 else 'RMS'}, mm",
+            tuple(number(one.rows[place].error_mm) for place in places),
+            True,
+            9 if one is result.requirements[0] else 8,
+        )
+        for one in result.requirements
+    ]
+    return [*columns, _Column("required", tuple(WORDS[found[place]] for place in places), False, 9)]
 
 
 def _measured_columns(best: pd.DataFrame) -> list[_Column]:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rigsim.present.kit.format import plain
-from rigsim.present.sweep.phrases import describe, mm, say
+from rigsim.present.sweep.phrases import describe, mm
+from rigsim.present.sweep.taken_words import why_taken
 from rigsim.study.design.words import rounded
 from rigsim.study.scene import columns as col
-from rigsim.study.scene.columns import COLUMNS
 from rigsim.study.sweep.requirement import (
     DepthRequirement,
     RowsHeld,
@@ -74,7 +74,8 @@ def reasons(result: SweepResult) -> list[str]:
         sentences += _would_meet(result)
     if "met" in found and len(found) > 1:
         sentences.append(_counts(found))
-    return [*sentences, *_least(result, found, chosen), *_not_shown(held, found)]
+    why = [] if chosen is None else why_taken(result, chosen)
+    return [*sentences, *why, *_not_shown(held, found)]
 
 
 def _would_meet(result: SweepResult) -> list[str]:
@@ -114,18 +115,6 @@ def _errors(held: Sequence[RowsHeld], place: int) -> str:
             f"({mm(row.low_mm)} to {mm(row.high_mm)} with 95 % confidence)"
         )
     return _listed(parts)
-
-
-def _least(result: SweepResult, found: Sequence[RowVerdict], chosen: int | None) -> list[str]:
-    """The shortest baseline that does, where another one is taken."""
-    if chosen is None or col.BASELINE not in result.swept or not COLUMNS[col.BASELINE].numeric:
-        return []
-    ok = [i for i in result.best if found[i] == "met"]
-    least = min(ok, key=lambda i: float(result.rows.loc[i, col.BASELINE]))
-    shortest, own = (float(result.rows.loc[i, col.BASELINE]) for i in (least, chosen))
-    if not shortest < own:
-        return []
-    return [f"The shortest baseline that meets it is {say(col.BASELINE, shortest).partition(' of ')[0]}."]
 
 
 def _not_shown(held: Sequence[RowsHeld], found: Sequence[RowVerdict]) -> list[str]:

@@ -21,6 +21,7 @@ from rigsim.study.scene.plan import DEFAULT_SCENE, Held
 from rigsim.study.sweep.choice import choice, trend
 from rigsim.study.sweep.comparison import WELL_COVERED, row_of_bins
 from rigsim.study.sweep.growth import Growth, growth_of
+from rigsim.study.sweep.requirement import take
 from rigsim.study.sweep.result import SweepResult
 from rigsim.theory.uncertainty import LEAST_DEPTH_SIGMAS
 
@@ -39,7 +40,7 @@ class Verdict:
 
 def verdict(result: SweepResult) -> Verdict:
     """A sweep in sentences."""
-    rows, by_depth, swept, best = result.rows, result.by_depth, result.swept, result.best[0]
+    rows, by_depth, best = result.rows, result.by_depth, result.best[0]
     row = rows.loc[best]
     bins = _bins(best, rows, by_depth)
     sentences = [
@@ -50,7 +51,7 @@ def verdict(result: SweepResult) -> Verdict:
         *_trend(result),
         *_measured(row),
         *_agreement(rows),
-        *_coverage(rows, swept),
+        *_coverage(result),
         *_low_disparity(row),
         *_far_limit(result),
         *filter(None, [lens(result)]),
@@ -245,18 +246,25 @@ def _measured(row: pd.Series) -> list[str]:
     ]
 
 
-def _coverage(rows: pd.DataFrame, swept: tuple[str, ...]) -> list[str]:
+def _coverage(result: SweepResult) -> list[str]:
+    rows = result.rows
     coverage = rows[col.VISIBLE_FRACTION]
     poor = coverage < WELL_COVERED * coverage.max()
     if not poor.any():
         least = percent(coverage.min())
         return [f"Both cameras see {least} or more of the left image's pixels that show the scene."]
     worst = rows.loc[coverage.idxmin()]
+    under = f"rows under {percent(WELL_COVERED)} of the best coverage"
+    ending = f"{under} are not ranked"
+    taken = take(rows, result.best, result.requirements) if result.requirements else None
+    if taken is not None:
+        ending = f"{under} are taken only where no other meets what is asked"
+        if poor[taken]:
+            ending += f", as here, with {percent(coverage[taken])}"
     return [
-        f"Overlap is smallest at {describe(worst, swept) or 'this rig'}: both cameras see only "
+        f"Overlap is smallest at {describe(worst, result.swept) or 'this rig'}: both cameras see only "
         f"{percent(worst[col.VISIBLE_FRACTION])} of the left image's pixels that show the scene, "
-        f"against {percent(coverage.max())} at best; rows under {percent(WELL_COVERED)} of the best "
-        "coverage are not ranked."
+        f"against {percent(coverage.max())} at best; {ending}."
     ]
 
 

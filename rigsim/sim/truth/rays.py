@@ -59,10 +59,11 @@ def cast(scene: Scene, origin_world: Array, directions_world: Array) -> tuple[Ar
     return distance, geom, normal
 
 
-def depth_at(scene: Scene, side: int, uv: Array) -> tuple[Array, Ids]:
-    """Depth (N,) m and geom id (N,) at pixel positions (N, 2) of the left (0) or right (1) camera."""
+def depth_at(scene: Scene, side: int, uv: Array, lens: Intrinsics | None = None) -> tuple[Array, Ids]:
+    """Depth (N,) m and geom id (N,) at pixel positions (N, 2) of the left (0) or right (1) camera; through
+    `lens` where it is not the placed rig's own."""
     world_from_camera = scene.world_from_camera(side)
-    rays_camera = np.column_stack([scene.lens(side).normalize(uv), np.ones(len(uv))])
+    rays_camera = np.column_stack([(lens or scene.lens(side)).normalize(uv), np.ones(len(uv))])
     # the ray's z is 1, so its length is counted in depth
     depth, geom, _ = cast(scene, world_from_camera.t, rays_camera @ world_from_camera.R.T)
     return depth, geom
@@ -80,6 +81,7 @@ class RayRenderer:
 
     name = "rays"
     backs = True
+    bends = True
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
@@ -101,9 +103,9 @@ class RayRenderer:
             )
         return light
 
-    def depth_and_segmentation(self, side: int) -> tuple[Array, Ids]:
-        """Depth (H, W) m and geom id (H, W) at the pixel centres of the placed rig's camera."""
-        return depth_picture(self._scene, side)
+    def depth_and_segmentation(self, side: int, lens: Intrinsics | None = None) -> tuple[Array, Ids]:
+        """Depth (H, W) m and geom id (H, W) at the pixel centres of the placed rig's camera, or of `lens`."""
+        return depth_picture(self._scene, side, lens)
 
     def close(self) -> None:
         """Nothing to give back."""
@@ -118,9 +120,10 @@ class RayRenderer:
         return np.asarray(np.clip(color, 0.0, 1.0))
 
 
-def depth_picture(scene: Scene, side: int) -> tuple[Array, Ids]:
-    """Depth (H, W) m, NaN for nothing, and geom id (H, W) at the pixel centres, by rays."""
-    lens, world_from_camera = scene.lens(side), scene.world_from_camera(side)
+def depth_picture(scene: Scene, side: int, lens: Intrinsics | None = None) -> tuple[Array, Ids]:
+    """Depth (H, W) m, NaN for nothing, and geom id (H, W) at the pixel centres, by rays; through `lens` where
+    it is not the placed rig's own."""
+    lens, world_from_camera = lens or scene.lens(side), scene.world_from_camera(side)
     rays_camera = _pixel_rays(lens, slice(0, lens.height))
     depth, geom, _ = cast(scene, world_from_camera.t, rays_camera @ world_from_camera.R.T)
     shape = (lens.height, lens.width)

@@ -6,7 +6,7 @@ import json
 
 from nicegui import ui
 
-_COPY = """
+_COPY = """\
 (async text => {
   try { await navigator.clipboard.writeText(text); return true; } catch (refused) {
     const box = document.createElement('textarea');

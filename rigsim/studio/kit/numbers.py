@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from html import escape
 
@@ -28,8 +29,15 @@ class Number:
     def show(self, fact: Fact | None) -> None:
         """Show a fact, or that there is none."""
         told = fact is not None and fact.shown != MISSING
-        self._value.set_content(escape(fact.shown) if fact is not None and told else MISSING)
+        self._value.set_content(told_html(fact) if fact is not None and told else MISSING)
         self._unit.set_content(escape(fact.unit) if fact is not None and told else "")
+
+
+def told_html(fact: Fact) -> str:
+    """A fact as people see it, with the whole number for programs."""
+    if isinstance(fact.value, str) or not math.isfinite(fact.value):
+        return escape(fact.shown)
+    return f"<data value={fact.value!r}>{escape(fact.shown)}</data>"
 
 
 def facts_table(facts: Iterable[Fact]) -> str:

@@ -15,9 +15,16 @@ _ADDRESS_S = 0.15
 class Session:
     """The state that a page shows. Two tabs have two."""
 
-    def __init__(self, page: str, state: State) -> None:
-        """Begin with a state; to be called where the page is built."""
+    def __init__(self, page: str, state: State, own_scene: str = "") -> None:
+        """Begin with a state; to be called where the page is built.
+
+        Args:
+            page: its name.
+            state: what is shown first.
+            own_scene: the scene that the command line named: a path comes from nowhere else.
+        """
         self.page = page
+        self.own_scene = own_scene
         self._history = History(state)
         self._watchers: list[Callable[[], None]] = []
         self._restored: list[Callable[[], None]] = []

@@ -50,3 +50,9 @@ def of_depth(state: State) -> str:
 def of_limits(state: State) -> str:
     """``rigsim calc limits``."""
     return command(("calc", "limits"), state, (*OF_RIG, "z"))
+
+
+def of_rig(state: State, distances: str) -> tuple[str, ...]:
+    """The lines that give the numbers of a rig at some distances."""
+    at = state.with_words(z=distances)
+    return of_depth(at), of_limits(at.with_words(principal=""))

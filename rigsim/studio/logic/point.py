@@ -8,9 +8,10 @@ from types import MappingProxyType
 
 from rigsim.api.calc.fact import Assumed, Fact
 from rigsim.api.calc.point import PointAnswer, calc_point
-from rigsim.errors import RigsimError
+from rigsim.errors import InvalidRange, RigsimError
 from rigsim.rig.remark import Remark
 from rigsim.studio.logic import command
+from rigsim.studio.logic.faults import plain
 from rigsim.studio.logic.rig import Shown, shown_rig
 from rigsim.studio.state import State
 from rigsim.typed import quantity
@@ -60,7 +61,7 @@ def find(state: State) -> Found:
         assumed = Assumed(shown.noise, sized=shown.sized, from_axis=shown.from_axis, odd=shown.remarks)
         return Found(shown, calc_point(shown.rig, uv_left, uv_right, assumed), "")
     except RigsimError as error:
-        return Found(shown, None, str(error))
+        return Found(shown, None, plain(str(error)))
 
 
 def summary(state: State) -> str:
@@ -96,8 +97,6 @@ def halves(word: str) -> tuple[str, str]:
 
 def _said(word: str, boxes: str) -> str:
     if not all(halves(word)):
-        from rigsim.errors import InvalidRange
-
         raise InvalidRange(f"{boxes}: type both numbers, in pixels")
     return word
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -25,12 +26,12 @@ class RowsApart:
     """The greatest."""
 
 
-def shared_plane(rig: StereoRig, depth_m: float) -> Array:
+def shared_plane(rig: StereoRig, depth_m: float, counts: tuple[int, int] = _GRID) -> Array:
     """Points (N, 3) m at a depth, even over the left image to its very edges, that both cameras see."""
     lens = rig.left
     u, v = (
         np.linspace(-0.5, side - 0.5, count)
-        for side, count in zip((lens.width, lens.height), _GRID, strict=True)
+        for side, count in zip((lens.width, lens.height), counts, strict=True)
     )
     uv = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
     points = np.column_stack([lens.normalize(uv) * depth_m, np.full(len(uv), depth_m)])
@@ -38,13 +39,20 @@ def shared_plane(rig: StereoRig, depth_m: float) -> Array:
     return np.asarray(points[rig.right.contains(rig.project(points)[1])])
 
 
+@lru_cache(maxsize=16)
 def rows_apart(rig: StereoRig, depth_m: float, *, sized: bool) -> RowsApart:
     """How far rows are apart at a distance, by exact projection; images have an edge where `sized`."""
     (on_axis,) = _rows(rig, np.array([[0.0, 0.0, depth_m]]))
-    rows = _rows(rig, shared_plane(rig, depth_m)) if sized else np.empty(0)
+    rows = _rows(rig, _shared_rows(rig, depth_m)) if sized else np.empty(0)
     rows = rows[np.isfinite(rows)]
     least, most = (float(rows.min()), float(rows.max())) if rows.size else (math.nan, math.nan)
     return RowsApart(float(on_axis), least, most)
+
+
+def _shared_rows(rig: StereoRig, depth_m: float) -> Array:
+    """Points of the plane that say how far rows are apart: one row of it where all rows are alike."""
+    alike = rig.is_rectified and rig.left.height == rig.right.height
+    return shared_plane(rig, depth_m, (_GRID[0], 1) if alike else _GRID)
 
 
 def _rows(rig: StereoRig, points: Array) -> Array:

@@ -6,6 +6,7 @@ import math
 
 from rigsim.rig import digits as digits_of
 from rigsim.rig.catalogue.sensors import sensor_preset
+from rigsim.study.tolerance.first_order.needed import GOOD
 from rigsim.theory.inverse import Camera, Relaxation, Requirement
 from rigsim.theory.inverse_error import P95_OVER_STD
 
@@ -30,9 +31,12 @@ def span(near_m: float, far_m: float) -> str:
 
 
 def share(of_rigs: float) -> str:
-    """A share of rigs in whole percent, without the sign; 0 and 100 only where all agree."""
+    """A share of rigs in whole percent, without the sign; 0 and 100 only where all agree, and 95, which are
+    required, only where it is no less."""
     if 0 < of_rigs <= 0.005:
         return "< 1"
+    if 0.945 <= of_rigs < GOOD:
+        return f"{math.floor(of_rigs * 1000) / 10:.1f}"
     return "> 99" if 0.995 <= of_rigs < 1 else f"{of_rigs * 100:.0f}"
 
 

@@ -6,12 +6,12 @@ import contextlib
 import multiprocessing
 import os
 import signal
-import threading
 from collections.abc import Generator, Iterable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 
+from rigsim import guard, interrupts
 from rigsim.errors import RigsimError
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
@@ -45,7 +45,7 @@ def _run_in_processes(rigs: Iterable[StereoRig], plan: Plan, jobs: int, backend:
     with _one_thread_each():
         try:
             for rig in rigs:
-                with _no_interrupts():  # a process that is still starting has no answer to Ctrl-C
+                with interrupts.held_back():  # a process that is still starting has no answer to Ctrl-C
                     waiting.append(pool.submit(_run, rig))
                 if len(waiting) >= _AHEAD * jobs:
                     yield waiting.pop(0).result()
@@ -67,7 +67,7 @@ def _open(plan: Plan, backend: str) -> None:
     """Set up one process; Ctrl-C is for the parent to handle."""
     global _worker
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    guard.end_with_parent()
     # never left: this process is ended, and whatever it started ends with it
     methods = _triangulators.enter_context(started(plan.triangulators, plan.timeout_s, at_once=False))
     _worker = (Simulator(plan.scene, plan.mount, backend), replace(plan, triangulators=methods))
@@ -79,28 +79,10 @@ def _run(rig: StereoRig) -> Outcome:
     return run_rig(simulator, rig, plan)
 
 
-def _end_with_parent() -> None:
-    """A parent that was killed wants no answer any more."""
-    parent = multiprocessing.parent_process()
-    assert parent is not None
-    parent.join()
-    os.kill(os.getpid(), signal.SIGKILL)
-
-
 def _end_workers() -> None:
     """End all worker processes, whatever they are at."""
     for child in multiprocessing.active_children():
         child.kill()
-
-
-@contextlib.contextmanager
-def _no_interrupts() -> Iterator[None]:
-    """Hold Ctrl-C back; processes that are started meanwhile never see it."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextlib.contextmanager

@@ -22,7 +22,7 @@ from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.agreement.agreement import flagged
 from rigsim.study.scene import columns as col
-from rigsim.study.sweep.comparison import FEWEST_POINTS, row_of_bins
+from rigsim.study.sweep.comparison import FEWEST_POINTS, reservations, row_of_bins
 from rigsim.theory.inverse_error import P95_OVER_STD
 from rigsim.theory.limits import overlap_at_depth
 from rigsim.theory.uncertainty import predict_depth_std
@@ -106,10 +106,22 @@ def verdicts(held: Sequence[RowsHeld]) -> tuple[RowVerdict, ...]:
 
 
 def take(rows: pd.DataFrame, best: Sequence[int], held: Sequence[RowsHeld]) -> int | None:
-    """Place of the row to take: the best, of those that are not flagged, that meets everything; None for
-    none."""
-    found, is_flagged = verdicts(held), flagged(rows)
-    return next((i for i in best if found[i] == "met" and not is_flagged[i]), None)
+    """Place of the row to take: of those that meet everything and are not flagged one that covers enough, of
+    these the shortest baseline, of these the best; None for none."""
+    is_flagged = flagged(rows)
+    return next((i for i in met_first(rows, best, held) if not is_flagged[i]), None)
+
+
+def met_first(rows: pd.DataFrame, best: Sequence[int], held: Sequence[RowsHeld]) -> tuple[int, ...]:
+    """The places of the rows that meet everything, in the order in which to take them: what nothing speaks
+    against first (`reservations`), then by baseline, then as they are ranked."""
+    found, against = verdicts(held), reservations(rows)
+    return tuple(
+        sorted(
+            (i for i in best if found[i] == "met"),
+            key=lambda i: (float(against[i]), float(rows.loc[i, col.BASELINE])),
+        )
+    )
 
 
 def nearest_miss(best: Sequence[int], held: Sequence[RowsHeld]) -> int | None:
@@ -123,13 +135,14 @@ def nearest_miss(best: Sequence[int], held: Sequence[RowsHeld]) -> int | None:
 
 
 def answer_first(rows: pd.DataFrame, best: Sequence[int], held: Sequence[RowsHeld]) -> tuple[int, ...]:
-    """The places of the rows, best first, where something is asked: before all others the row to take or,
-    where none is, the one nearest to it."""
+    """The places of the rows, best first; where something is asked the row to take or, where none is, the
+    one nearest to it, then the others that meet it, then the rest."""
     if not held:
         return tuple(best)
     taken = take(rows, best, held)
     first = nearest_miss(best, held) if taken is None else taken
-    return tuple(best) if first is None else (first, *(place for place in best if place != first))
+    order = [*([] if first is None else [first]), *met_first(rows, best, held), *best]
+    return tuple(dict.fromkeys(order))
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import dataclasses
+import io
 import json
 import math
 import re
@@ -13,6 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from rich.console import Console
 
 from rigsim import Intrinsics, PixelNoise, Plan, RigGrid, StereoRig, sweep
 from rigsim.api.kit.cover import LOGO_BYTES, cover
@@ -21,6 +23,7 @@ from rigsim.errors import OutputError
 from rigsim.interop.formats.rig_toml import read_rig
 from rigsim.present.kit.agreement import reason
 from rigsim.present.kit.page import Cover
+from rigsim.present.sweep.console import print_sweep
 from rigsim.present.sweep.page import report_html
 from rigsim.present.sweep.tables import DITTO, all_rows, best_by_depth
 from rigsim.present.sweep.words import verdict
@@ -195,27 +198,94 @@ def no_rows() -> tuple[pd.DataFrame, pd.DataFrame]:
     return pd.DataFrame(columns=list(ROW_COLUMNS)), pd.DataFrame(columns=list(DEPTH_COLUMNS))
 
 
-def asked(*required: DepthRequirement, **made: Any) -> SweepResult:
-    result = make_result((50, 100, 200), n_points=400, **made)
-    held = hold_rows(result.rows, result.by_depth, required)
+def asked(
+    required: DepthRequirement,
+    baselines_mm: tuple[float, ...] = (50, 100, 200),
+    n_points: int = 400,
+    **made: Any,
+) -> SweepResult:
+    result = make_result(baselines_mm, n_points=n_points, **made)
+    held = hold_rows(result.rows, result.by_depth, [required])
     best = answer_first(result.rows, result.best, held)
-    return dataclasses.replace(result, requirements=held, best=best)
+    rig = StereoRig.rectified(result.showcase.rig.left, 1e-3 * float(result.rows["baseline_mm"][best[0]]))
+    show = dataclasses.replace(result.showcase, row=best[0], rig=rig)
+    return dataclasses.replace(result, requirements=held, best=best, showcase=show)
 
 
-def test_the_best_row_that_meets_it_is_taken_and_the_page_begins_with_it() -> None:
+def test_the_shortest_row_that_meets_it_is_taken_and_the_page_begins_with_it() -> None:
     # 900 px: 3 m^2 sqrt(2) 0.25 / (900 B) is 70.7, 35.4 and 17.7 mm
     result = asked(DepthRequirement(3000.0, 45.0))
     assert verdicts(result.requirements) == ("not_met", "met", "met")
-    assert take(result.rows, result.best, result.requirements) == 2
+    assert take(result.rows, result.best, result.requirements) == 1
     said = verdict(result)
-    assert said.headline == "Take 200 mm of baseline: it meets 45 mm at 3 m."
-    assert said.sentences[0].startswith("Its depth error, simulated on points of the scene, is 17.")
+    assert said.headline == "Take 100 mm of baseline: it meets 45 mm at 3 m."
+    assert said.sentences[0].startswith("Its depth error, simulated on points of the scene, is 3")
     assert said.sentences[1] == "2 of 3 rows meet it and 1 does not."
-    assert said.sentences[2] == "The shortest baseline that meets it is 100 mm."
+    assert said.sentences[2].startswith("100 mm is the shortest baseline of those swept that meets it, ")
+    assert re.match(
+        r"Of those that meet it, 200 mm of baseline errs least, 17\.\d mm at 3 m", said.sentences[3]
+    )
     html = report_html(result)
-    assert html.index("✓ Requirement met") < html.index("Take 200 mm") < html.index("Asked for and achieved")
+    assert html.index("✓ Requirement met") < html.index("Take 100 mm") < html.index("Asked for and achieved")
     assert html.count('<tr class="missed">') == 1
     assert 'class="flagged' not in html
+
+
+def test_the_table_shows_what_meets_it_before_the_rest_with_its_error_at_that_distance() -> None:
+    # 17.7, 14.1, 11.8, 8.8, 7.9 and 7.1 mm at 3 m
+    result = asked(DepthRequirement(3000.0, 10.0), (200, 250, 300, 400, 450, 500))
+    assert [result.rows.loc[i, "baseline_mm"] for i in result.best] == [400, 450, 500, 300, 250]
+    out = io.StringIO()
+    print_sweep(result, console=Console(file=out, width=100))
+    lines = out.getvalue().splitlines()
+    (title,) = [
+        i for i, line in enumerate(lines) if line.startswith("The rig of the answer, others of the 3 ")
+    ]
+    assert re.match(r"baseline +at 3 m", lines[title + 1])
+    shown = [re.match(r" +(\d+) +([\d.]+)  (met|not met) ", line) for line in lines[title + 4 : title + 9]]
+    assert [one and (one[1], one[3]) for one in shown] == [
+        *(("400", "met"), ("450", "met"), ("500", "met")),
+        *(("300", "not met"), ("250", "not met")),
+    ]
+    errors = [row.error_mm for row in result.requirements[0].rows]
+    assert [float(one[2]) for one in shown if one] == pytest.approx(
+        [errors[i] for i in result.best], rel=0.006
+    )
+
+
+def test_where_all_that_meets_it_covers_little_the_remark_on_coverage_says_so() -> None:
+    result = asked(DepthRequirement(3000.0, 20.0))
+    rows = result.rows.assign(visible_fraction=[0.9, 0.8, 0.6])
+    (said,) = [
+        one for one in verdict(dataclasses.replace(result, rows=rows)).sentences if "Overlap is" in one
+    ]
+    assert said.endswith(
+        "rows under 80 % of the best coverage are taken only where no other meets what is asked, as here, "
+        "with 60 %."
+    )
+
+
+def test_a_shorter_one_that_would_just_do_by_the_closed_form_is_named() -> None:
+    # by hand: 9 sqrt(2) 0.25 / (900 0.045) = 78.6 mm, between the 50 mm that miss it and the 100 mm that do
+    said = verdict(asked(DepthRequirement(3000.0, 45.0))).sentences
+    (just,) = [one for one in said if one.startswith("By the closed form")]
+    assert "a baseline of 78.6 mm would just do" in just
+    assert "`--baseline 78.6:100/6`" in just
+    # 99.4 mm is the 100 mm that were swept
+    said = verdict(asked(DepthRequirement(3000.0, 35.55), n_trials=10**6, n_points=4000)).sentences
+    assert not [one for one in said if one.startswith("By the closed form")]
+
+
+def test_a_shorter_one_that_covers_too_little_is_not_taken_and_that_is_said() -> None:
+    result = asked(DepthRequirement(3000.0, 45.0))
+    rows = result.rows.assign(visible_fraction=[0.9, 0.5, 0.9])
+    best = answer_first(rows, result.best, result.requirements)
+    assert best == (2, 1, 0)
+    said = verdict(dataclasses.replace(result, rows=rows, best=best)).sentences
+    assert (
+        "The shortest baseline of those swept that meets it is 100 mm, but it covers less than 80 % of the "
+        "best coverage; 200 mm is the shortest against which nothing speaks."
+    ) in said
 
 
 @pytest.mark.parametrize(
@@ -251,8 +321,8 @@ def test_what_no_row_meets_and_what_is_not_shown_are_told_apart(
 
 
 def test_a_flagged_row_is_not_recommended() -> None:
-    result = asked(DepthRequirement(3000.0, 45.0), flagged=(2,))
-    assert take(result.rows, result.best, result.requirements) == 1
+    result = asked(DepthRequirement(3000.0, 45.0), flagged=(1,))
+    assert take(result.rows, result.best, result.requirements) == 2
 
 
 def test_numbers_that_do_not_depend_on_an_axis_stand_once() -> None:

@@ -18,6 +18,7 @@ from rigsim.interop.documents.design.models import (
     Feasible,
     Housing,
     Kind,
+    LeastImage,
     Preference,
     Proved,
     Recommended,
@@ -30,6 +31,7 @@ from rigsim.rig.catalogue.sensors import sensor_preset
 from rigsim.study.design import words as labels
 from rigsim.study.design.buildable import smallest_resolution
 from rigsim.study.design.help import Attempt
+from rigsim.study.design.least import least_size
 from rigsim.study.design.proof import Proof, held_to, recommended, verdict
 from rigsim.study.design.solve import Candidate as Picked
 from rigsim.study.design.solve import Design, Specification
@@ -80,6 +82,7 @@ def design_document(
     pick = recommended(design, proofs)
     spec = design.specification
     smallest = smallest_resolution(design)
+    least = least_size(pick, spec)
     return DesignDocument(
         recommended=Recommended(
             **_rig(pick),
@@ -101,6 +104,11 @@ def design_document(
         cameras_tried=len(design.intervals),
         feasible=[_feasible(interval) for interval in design.feasible],
         smallest_resolution=None if smallest is None else Candidate(**_rig(smallest)),
+        least_size=None
+        if least is None
+        else LeastImage(
+            width_px=least.width_px, height_px=least.height_px, baseline_mm=clean(least.baseline_m * 1e3)
+        ),
         pareto=[Candidate(**_rig(candidate)) for candidate in design.pareto],
         proof=[
             Proved(

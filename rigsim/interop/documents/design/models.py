@@ -227,6 +227,17 @@ class DesignTolerance(Part):
     """The same in words."""
 
 
+class LeastImage(Part):
+    """The smallest image, in the recommended rig's field of view and shape, that meets all by formula."""
+
+    width_px: int
+    """Image width, px."""
+    height_px: int
+    """Image height, px."""
+    baseline_mm: float
+    """The baseline that it takes, mm: the longest that the other requirements allow."""
+
+
 class DesignDocument(Part):
     """The rigs that meet requirements, and one of them recommended and proved."""
 
@@ -253,8 +264,11 @@ class DesignDocument(Part):
     feasible: list[Feasible]
     """Those with which some baseline meets every requirement."""
     smallest_resolution: Candidate | None
-    """The candidate with the fewest pixels, which enough built rigs should hold where that is preferred; null
-    for none, or where one resolution was tried."""
+    """Of the resolutions tried, the candidate with the fewest pixels, which enough built rigs should hold
+    where that is preferred; null for none, or where one resolution was tried."""
+    least_size: LeastImage | None
+    """The image that would just do without build errors, tried or not; null where nothing limits the
+    baseline."""
     pareto: list[Candidate]
     """Pareto-optimal rigs; best first."""
     proof: list[Proved]

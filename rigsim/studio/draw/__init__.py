@@ -1,0 +1,1 @@
+"""Pictures and proofs for the live page, each in a process of its own."""
