@@ -11,7 +11,7 @@ import pytest
 
 import rigsim
 from rigsim.present.live.region import region_chart
-from rigsim.studio.logic import advice, design, trade_offs
+from rigsim.studio.logic.design import advice, feasible, trade_offs
 from rigsim.studio.state import State, read_state
 from rigsim.study.tolerance.inputs import QUANTITIES
 from tests.helpers.cli import rigsim as run
@@ -30,7 +30,7 @@ SMALL = State(
 
 
 def test_the_example_has_the_region_of_the_closed_forms() -> None:
-    found = design.find(design.DEFAULTS)
+    found = feasible.find(feasible.DEFAULTS)
     shown = found.region
     assert found.design is not None
     assert shown is not None
@@ -51,7 +51,7 @@ def test_the_example_has_the_region_of_the_closed_forms() -> None:
 
 
 def test_limits_keep_their_names_and_values() -> None:
-    found = design.find(design.DEFAULTS.with_words(max_baseline="300", max_disparity="900px"))
+    found = feasible.find(feasible.DEFAULTS.with_words(max_baseline="300", max_disparity="900px"))
     assert found.region is not None
     lines = {line.requirement.kind: line for line in found.region.lines}
     assert set(lines) == {"depth_error", "fov", "overlap", "max_baseline", "max_disparity"}
@@ -61,7 +61,7 @@ def test_limits_keep_their_names_and_values() -> None:
 
 def test_the_pick_and_its_files_are_those_of_the_command(few_built_rigs: None, tmp_path: Path) -> None:
     made = advice.advise(advice.asked(SMALL))
-    line = design.command_line(SMALL)
+    line = feasible.command_line(SMALL)
     assert line.startswith("rigsim design --range=1:3m --depth-error=60mm@3m ")
     assert "--resolution=1280x960" in line
     assert "--lens=60,70deg" in line
@@ -86,15 +86,15 @@ def test_the_pick_and_its_files_are_those_of_the_command(few_built_rigs: None, t
 
 def test_several_errors_are_several_options() -> None:
     state = State({"range": "1:3m", "depth_error": "20mm@3m, 1%@1m"})
-    assert "--depth-error=20mm@3m --depth-error=1%@1m" in design.command_line(state)
-    found = design.find(state)
+    assert "--depth-error=20mm@3m --depth-error=1%@1m" in feasible.command_line(state)
+    found = feasible.find(state)
     assert found.specification is not None
     errors = [one for one in found.specification.requirements if one.kind == "depth_error"]
     assert [(one.depth_m, round(one.limit, 9)) for one in errors] == [(3.0, 0.02), (1.0, 0.01)]
 
 
 def test_where_nothing_is_feasible_it_says_what_to_relax_and_that_does() -> None:
-    found = design.find(design.DEFAULTS.with_words(depth_error="1mm@3m"))
+    found = feasible.find(feasible.DEFAULTS.with_words(depth_error="1mm@3m"))
     assert found.design is None
     assert found.region is not None
     assert "no rig meets all requirements" in found.fault
@@ -102,7 +102,7 @@ def test_where_nothing_is_feasible_it_says_what_to_relax_and_that_does() -> None
     assert next(way.text for way in found.ways).startswith("depth error at 3 m from 1 mm to 5.2 mm")
     for way in found.ways:
         assert way.state is not None
-        assert design.find(way.state).design is not None, way.text
+        assert feasible.find(way.state).design is not None, way.text
 
 
 @pytest.mark.parametrize(
@@ -115,12 +115,12 @@ def test_where_nothing_is_feasible_it_says_what_to_relax_and_that_does() -> None
     ],
 )
 def test_each_limit_can_be_relaxed_by_a_press(word: str, text: str, kind: str) -> None:
-    state = design.DEFAULTS.with_words(**{word: text, "try_resolution": "2448x2048", "lens": "60deg"})
-    ways = [way for way in design.find(state).ways if way.text.startswith(kind)]
+    state = feasible.DEFAULTS.with_words(**{word: text, "try_resolution": "2448x2048", "lens": "60deg"})
+    ways = [way for way in feasible.find(state).ways if way.text.startswith(kind)]
     assert ways
     assert ways[0].state is not None
     assert ways[0].state[word] != text
-    assert design.find(ways[0].state).design is not None
+    assert feasible.find(ways[0].state).design is not None
 
 
 @pytest.mark.parametrize(
@@ -137,7 +137,7 @@ def test_each_limit_can_be_relaxed_by_a_press(word: str, text: str, kind: str) -
     ],
 )
 def test_bad_words_are_said_in_one_line(words: dict[str, str], says: str) -> None:
-    found = design.find(design.DEFAULTS.with_words(**words))
+    found = feasible.find(feasible.DEFAULTS.with_words(**words))
     assert says in found.fault
     assert "\n" not in found.fault
     assert found.design is None
@@ -146,7 +146,7 @@ def test_bad_words_are_said_in_one_line(words: dict[str, str], says: str) -> Non
 
 def test_a_picked_rig_is_that_rig_and_forgets_the_one_before() -> None:
     before = SMALL.with_words(preset="boards", hfov="70deg", pixel_pitch="3um", noise="0.3px")
-    shown = design.picked(before, 1108.5125, 271.0, (1280, 960))
+    shown = feasible.picked(before, 1108.5125, 271.0, (1280, 960))
     assert (shown["focal"], shown["baseline"], shown["resolution"]) == ("1108.51px", "271mm", "1280x960")
     assert not any(shown[name] for name in ("preset", "hfov", "pixel_pitch"))
     assert shown["noise"] == "0.3px"
@@ -158,17 +158,17 @@ def test_a_picked_rig_is_that_rig_and_forgets_the_one_before() -> None:
 
 
 def test_a_click_outside_says_which_requirement_fails() -> None:
-    found = design.find(design.DEFAULTS)
+    found = feasible.find(feasible.DEFAULTS)
     assert found.region is not None
     focal_px = float(found.region.focal_px[np.isfinite(found.region.shortest_m)][0])
     low, high = found.region.shortest_m[0] * 1e3, found.region.longest_m[0] * 1e3
-    assert design.broken(found, focal_px, (low * high) ** 0.5) == []
-    assert design.broken(found, focal_px, low / 2) == ["depth error at 3 m ≤ 10 mm"]
-    assert design.broken(found, focal_px, high * 2) == ["overlap at 0.5 m ≥ 50 %"]
+    assert feasible.broken(found, focal_px, (low * high) ** 0.5) == []
+    assert feasible.broken(found, focal_px, low / 2) == ["depth error at 3 m ≤ 10 mm"]
+    assert feasible.broken(found, focal_px, high * 2) == ["overlap at 0.5 m ≥ 50 %"]
 
 
 def test_the_table_sorts_both_ways_and_back() -> None:
-    found = design.find(SMALL).design
+    found = feasible.find(SMALL).design
     assert found is not None
     assert len(found.pareto) > 2
     rows = {
@@ -190,23 +190,23 @@ def test_the_table_sorts_both_ways_and_back() -> None:
 
 
 def test_an_address_keeps_every_word_of_the_page() -> None:
-    state = State(dict.fromkeys((*design.OPTIONS, "region", "sort"), "1"))
+    state = State(dict.fromkeys((*feasible.OPTIONS, "region", "sort"), "1"))
     query = dict(pair.split("=") for pair in state.query().split("&"))
     assert read_state(query) == (state, [])
 
 
 def test_words_of_cameras_without_a_rig_are_those_to_try() -> None:
-    begun = design.begin(State({"range": "1:3m", "depth_error": "1%", "resolution": "1280x720,1920x1080"}))
+    begun = feasible.begin(State({"range": "1:3m", "depth_error": "1%", "resolution": "1280x720,1920x1080"}))
     assert begun["try_resolution"] == "1280x720,1920x1080"
     assert not begun["resolution"]
-    with_rig = design.begin(State({"baseline": "10cm", "resolution": "1280x720"}))
+    with_rig = feasible.begin(State({"baseline": "10cm", "resolution": "1280x720"}))
     assert with_rig["resolution"] == "1280x720"
     assert not with_rig["try_resolution"]
-    assert with_rig["range"] == design.DEFAULTS["range"]
+    assert with_rig["range"] == feasible.DEFAULTS["range"]
 
 
 def test_the_chart_has_units_and_finite_numbers() -> None:
-    found = design.find(design.DEFAULTS.with_words(max_baseline="300"))
+    found = feasible.find(feasible.DEFAULTS.with_words(max_baseline="300"))
     assert found.region is not None
     chart = region_chart(found.region, [(2120.0, 242.0)], (2120.0, 242.0))
     json.dumps(chart, allow_nan=False)

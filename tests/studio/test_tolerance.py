@@ -15,8 +15,9 @@ import rigsim
 from rigsim.present.live.built import error_map, ranked_bars, round_up
 from rigsim.rig.perturbation import Perturbation
 from rigsim.studio.kit.controls import SignedSpan
-from rigsim.studio.logic import ranking, tolerance
-from rigsim.studio.logic.tolerance import DEVIATIONS
+from rigsim.studio.logic.tolerance import built as logic
+from rigsim.studio.logic.tolerance import ranking
+from rigsim.studio.logic.tolerance.built import DEVIATIONS
 from rigsim.studio.state import State, read_state
 from rigsim.study.tolerance.one_rig import MAY_BE_OFF
 from rigsim.study.tolerance.sensitivities import shared_points
@@ -38,7 +39,7 @@ OFF = {
 @pytest.mark.parametrize("word", OFF)
 def test_depth_errors_are_those_of_the_built_rig_read_as_the_assumed_one(word: str) -> None:
     text, change = OFF[word]
-    found = tolerance.find(BASE.with_words(**{word: text}))
+    found = logic.find(BASE.with_words(**{word: text}))
     assert found.answer is not None
     rig = rigsim.preset("boards").rig
     built = Perturbation(**change).apply(rig)
@@ -60,7 +61,7 @@ def test_small_deviations_follow_the_first_order_with_their_sign() -> None:
     rows = rigsim.row_sensitivity(rig, points)
     for one in DEVIATIONS:
         small = 1e-3 if one.key.endswith("deg") else 1e-2
-        found = tolerance.find(BASE.with_words(**{one.word: f"{small}"}))
+        found = logic.find(BASE.with_words(**{one.word: f"{small}"}))
         assert found.answer is not None
         name, per_unit = MAY_BE_OFF[one.key]
         judged = found.answer.judged
@@ -72,7 +73,7 @@ def test_small_deviations_follow_the_first_order_with_their_sign() -> None:
 
 
 def test_a_principal_point_too_low_moves_rows_and_no_depth() -> None:
-    found = tolerance.find(BASE.with_words(off_cy="2px"))
+    found = logic.find(BASE.with_words(off_cy="2px"))
     assert found.answer is not None
     assert found.answer.judged.row_largest_px == pytest.approx(2.0)
     assert abs(found.answer.judged.common_mm) < 0.1
@@ -80,19 +81,19 @@ def test_a_principal_point_too_low_moves_rows_and_no_depth() -> None:
 
 
 def test_as_drawn_only_noise_is_left() -> None:
-    found = tolerance.find(tolerance.as_drawn(BASE.with_words(off_yaw="0.1deg")))
+    found = logic.find(logic.as_drawn(BASE.with_words(off_yaw="0.1deg")))
     assert found.answer is not None
     assert found.answer.judged.rms_mm < 1e-9
     assert found.answer.judged.whole_mm == pytest.approx(found.answer.judged.noise_mm)
     assert found.verdict == ("agrees", "meets 20 mm at 2 m")
-    assert tolerance.alone(found) == []
+    assert logic.alone(found) == []
 
 
 def test_a_rig_that_is_off_by_much_misses_and_each_part_is_said_alone() -> None:
-    found = tolerance.find(BASE.with_words(off_yaw="0.1deg", off_baseline="1mm"))
+    found = logic.find(BASE.with_words(off_yaw="0.1deg", off_baseline="1mm"))
     assert found.answer is not None
     assert found.verdict[0] == "flagged"
-    parts = {fact.key: float(fact.value) for fact in tolerance.alone(found)}
+    parts = {fact.key: float(fact.value) for fact in logic.alone(found)}
     assert set(parts) == {"yaw_deg", "baseline_mm"}
     # further to the right it looks: points seem nearer; too long a baseline as well
     assert parts["yaw_deg"] < 0
@@ -101,7 +102,7 @@ def test_a_rig_that_is_off_by_much_misses_and_each_part_is_said_alone() -> None:
 
 
 def test_a_camera_turned_away_loses_its_points_and_misses() -> None:
-    found = tolerance.find(BASE.with_words(off_yaw="120deg"))
+    found = logic.find(BASE.with_words(off_yaw="120deg"))
     assert found.answer is not None
     assert math.isinf(found.answer.judged.rms_mm)
     assert found.verdict[0] == "flagged"
@@ -110,13 +111,13 @@ def test_a_camera_turned_away_loses_its_points_and_misses() -> None:
 
 def test_rows_are_held_where_they_are_asked_for() -> None:
     state = BASE.with_words(off_cy="1px")
-    held = tolerance.find(state.with_words(max_row_error="0.5px"))
+    held = logic.find(state.with_words(max_row_error="0.5px"))
     assert held.verdict == ("flagged", "misses 20 mm at 2 m, rows within 0.5 px")
-    assert tolerance.find(state.with_words(max_row_error="1.5px")).verdict[0] == "agrees"
+    assert logic.find(state.with_words(max_row_error="1.5px")).verdict[0] == "agrees"
 
 
 def test_the_map_shows_where_the_error_is() -> None:
-    found = tolerance.find(BASE.with_words(off_roll="0.5deg"))
+    found = logic.find(BASE.with_words(off_roll="0.5deg"))
     assert found.answer is not None
     where = found.answer.map
     top, bottom = where.error_mm[0], where.error_mm[-1]
@@ -140,7 +141,7 @@ def test_scales_end_at_round_numbers(value: float, rounded: float) -> None:
 def test_ranking_and_yields_are_those_of_the_command(tmp_path: Path) -> None:
     state = BASE.with_words(**{"class": "calibrated"})
     made = ranking.rank(ranking.asked(state), whole=False)
-    line = tolerance.command_line(state)
+    line = logic.command_line(state)
     told = run(*line.split()[1:], "--no-recalibrate", "--json", cwd=tmp_path)
     assert told.returncode == 0, told.stderr
     document = json.loads(told.stdout)
@@ -172,7 +173,7 @@ def test_a_ranking_does_not_depend_on_the_sliders() -> None:
     ],
 )
 def test_bad_words_are_said_in_one_line(words: dict[str, str], says: str) -> None:
-    found = tolerance.find(BASE.with_words(**words))
+    found = logic.find(BASE.with_words(**words))
     assert says in found.fault
     assert "\n" not in found.fault
     assert found.answer is None
@@ -184,25 +185,25 @@ def test_a_class_that_is_none_is_said() -> None:
 
 
 def test_several_errors_are_held_to_the_first_which_is_remarked() -> None:
-    found = tolerance.find(BASE.with_words(depth_error="20mm@2m,1%@1m"))
+    found = logic.find(BASE.with_words(depth_error="20mm@2m,1%@1m"))
     assert found.required is not None
     assert (found.required.error_m, found.required.depth_m) == (0.02, 2.0)
     assert [remark.code for remark in found.remarks] == ["one_error"]
 
 
 def test_an_address_keeps_what_the_rig_is_off_by() -> None:
-    state = BASE.with_words(**{one.word: f"-0.5{tolerance.UNIT_OF[one.word]}" for one in DEVIATIONS})
+    state = BASE.with_words(**{one.word: f"-0.5{logic.UNIT_OF[one.word]}" for one in DEVIATIONS})
     query = dict(pair.split("=") for pair in state.query().split("&"))
     assert read_state(query) == (state, [])
-    assert tolerance.begin(state) == state
+    assert logic.begin(state) == state
 
 
 def test_it_begins_with_what_an_address_lacks() -> None:
-    assert tolerance.begin(State({})) == tolerance.DEFAULTS
-    own = tolerance.begin(State({"baseline": "20cm", "focal": "900", "resolution": "1280x720"}))
+    assert logic.begin(State({})) == logic.DEFAULTS
+    own = logic.begin(State({"baseline": "20cm", "focal": "900", "resolution": "1280x720"}))
     assert not own["preset"]
     assert own["off_yaw"]
-    asked = tolerance.begin(State({"preset": "bin", "depth_error": "1%"}))
+    asked = logic.begin(State({"preset": "bin", "depth_error": "1%"}))
     assert not asked["range"]
 
 

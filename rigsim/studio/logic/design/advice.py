@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from rigsim.errors import RigsimError
-from rigsim.studio.logic import design as logic
+from rigsim.studio.logic.design import feasible as logic
 from rigsim.studio.state import State
 from rigsim.study.design.solve import Candidate
 
