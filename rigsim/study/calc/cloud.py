@@ -7,15 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rigsim.rig.arrays import Array
+from rigsim.rig.arrays import Array, Light
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.scene.plan import RigGrid
 from rigsim.theory.ellipsoids import ellipsoids
 from rigsim.theory.frusta import shared_view
 from rigsim.theory.uncertainty import predict_covariance
 
 _WALLS = 5
 _ACROSS, _DOWN = 5, 3
+_COLUMNS, _ROWS = 10, 8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,3 +63,18 @@ def walls(rig: StereoRig, near_m: float, far_m: float) -> Array:
         xy = rig.left.normalize(np.column_stack([u.ravel(), v.ravel()]))
         found.append(np.column_stack([xy * z, np.full(len(xy), z)]))
     return np.concatenate(found) if found else np.empty((0, 3))
+
+
+def points_of_depth(rig: StereoRig, depth_m: Light) -> Array:
+    """Points (N, 3) m spread over a left picture whose depths (H, W) m are known, of whatever size it is."""
+    height, width = depth_m.shape
+    size = (width, height)
+    drawn = rig
+    if (rig.left.width, rig.left.height) != size:
+        drawn = next(iter(RigGrid(base=rig, resolutions_px=(size,))))
+    columns = np.linspace(0.05, 0.95, _COLUMNS) * (width - 1)
+    rows = np.linspace(0.06, 0.94, _ROWS) * (height - 1)
+    u, v = (grid.ravel().round().astype(int) for grid in np.meshgrid(columns, rows))
+    depth = depth_m[v, u].astype(np.float64)
+    points = np.column_stack([drawn.left.normalize(np.column_stack([u, v])) * depth[:, None], depth])
+    return np.asarray(points[np.isfinite(points).all(axis=1)])

@@ -13,6 +13,8 @@ from rigsim.studio.pages.rig.commands import commands
 from rigsim.studio.pages.rig.controls import controls
 from rigsim.studio.pages.rig.curves import curves
 from rigsim.studio.pages.rig.figures import figures
+from rigsim.studio.pages.rig.pair import pair
+from rigsim.studio.pages.rig.proof import proof
 from rigsim.studio.pages.rig.space import space
 from rigsim.studio.pages.rig.views import views
 from rigsim.studio.state import State
@@ -49,7 +51,12 @@ def build(session: Session) -> None:
                 controls(session, numbers, DEFAULTS)
             with ui.element("div").classes("rig-stack"):
                 figures(session, numbers)
+                proof(session, numbers)
                 curves(session, numbers)
+                with ui.element("div").classes("rig-stack") as pictures:
+                    pass
+                take = space(session, numbers)
+                with pictures:
+                    pair(session, numbers, take)
                 views(session, numbers)
-                space(session, numbers)
                 commands(session, numbers)
