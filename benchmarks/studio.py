@@ -272,13 +272,9 @@ def _hands(server: Server) -> None:
             faults += driver.execute_script("return window.rigFaults")
         ended = "" if server.process.poll() is None else ", server ended"
         typical, p95 = median(times), float(np.percentile(times, 95))
-        _tell(
-            f"{HANDS} tabs dragging for {HANDS_S:.0f} s: numbers, median / p95",
-            f"{median(times):.0f} / {p95:.0f} ms",
-        )
-        _tell(
-            f"  of {len(times)} changes, errors", f"{len(faults)}{'' if errors is None else ', server ended'}"
-        )
+        what = f"{HANDS} tabs dragging for {HANDS_S:.0f} s: numbers, median / p95"
+        _tell(what, f"{typical:.0f} / {p95:.0f} ms")
+        _tell(f"  of {len(times)} changes, errors", f"{len(faults)}{ended}")
         _tell("  memory of the server, after 12 s and after 60 s", f"{first:.0f} and {last:.0f} MB")
     finally:
         driver.quit()
