@@ -52,7 +52,7 @@ def serve(served: Served, ready: Callable[[str], None]) -> None:
     ui.page("/")(lambda: ui.navigate.to(served.state.address(served.page)))
     stand_before(app, token)
     app.on_startup(lambda: ready(address_of(served, token)))
-    run.process_pool_start_method = "spawn"  # a fork would copy the page\'s threads and their locks
+    run.process_pool_start_method = "spawn"  # a fork would copy the page's threads and their locks
     ui.run(
         host=served.host,
         port=served.port,

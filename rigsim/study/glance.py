@@ -128,12 +128,13 @@ def _of_own_pictures(rig: StereoRig, drawn: StereoRig, points: Array, disparity:
 def _frame(
     simulator: Simulator, rig: StereoRig, built: StereoRig, coarse: bool, between: Callable[[], None]
 ) -> StereoFrame:
-    """The pictures of the built rig, and the depths of the one that is assumed."""
+    """The pictures of the built rig, and the depths of the one that is assumed, with the left cameras in one
+    place: there the two rigs differ by what moved the right one."""
     simulator.place(rig)
     depths = simulator.preview_depth(coarse)
     between()
     if built is not rig:
-        simulator.place(built)
+        simulator.place(built, rig.rig_from_left @ built.rig_from_left.inverse)
     left = simulator.preview_light(0, coarse)
     between()
     right = simulator.preview_light(1, coarse)

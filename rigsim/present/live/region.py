@@ -128,7 +128,7 @@ def _names(shown: Region, low_mm: float, high_mm: float) -> dict[str, Any]:
         upright = x[0] == x[-1]
         at = [float(x[0]), float(y[-1] if upright else y[0])]
         label: dict[str, Any] = {"formatter": _name(line), "position": "left" if upright else "right"}
-        label["offset"] = [-4, 12] if upright else [6, -12]
+        label["offset"] = [-4, 12] if upright else [9, -13]
         data.append({"value": at, "label": label})
     return {
         "type": "scatter",

@@ -51,6 +51,11 @@ class Painter:
         self._open: OrderedDict[str, Simulator] = OrderedDict()
         self._connection = connection
 
+    @property
+    def scenes(self) -> tuple[str, ...]:
+        """The scenes that are open, the last one drawn last."""
+        return tuple(self._open)
+
     def answer(self, request: PairRequest) -> Pair | Failed | None:
         """The pair, or why there is none; None where it was stopped."""
         try:

@@ -184,5 +184,6 @@ def choice(session: Session, word: str, label: str, options: Mapping[str, str]) 
 
 def action(words: str, do: Callable[[], object], *, icon: str = "", flat: bool = True) -> ui.button:
     """A button."""
-    button = ui.button(words, icon=icon or None, on_click=do)
-    return button.props(f"no-caps {'outline' if flat else 'unelevated'} color=primary")
+    button = ui.button(words, icon=icon or None, on_click=do, color=None)
+    button.classes("rig-action" if flat else "rig-action rig-first")
+    return button.props(f"no-caps {'outline' if flat else 'unelevated'}")

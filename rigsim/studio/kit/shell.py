@@ -40,7 +40,7 @@ def frame(session: Session) -> Iterator[None]:
 
     session.watch(follow)
     ui.keyboard(on_key=lambda event: _pressed(session, event), ignore=["input", "textarea"])
-    with ui.element("main").classes("rig-main"):
+    with ui.element("div").classes("rig-main"):
         yield
 
 

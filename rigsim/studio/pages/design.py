@@ -23,7 +23,7 @@ from rigsim.studio.kit.controls import action, choice, text_box
 from rigsim.studio.kit.numbers import notes
 from rigsim.studio.kit.session import Session
 from rigsim.studio.kit.shell import frame
-from rigsim.studio.logic import advice, design, trade_offs
+from rigsim.studio.logic.design import advice, feasible, trade_offs
 from rigsim.studio.state import State
 
 CLASSES = {"": "machined", "printed": "printed", "calibrated": "calibrated"}
@@ -67,7 +67,7 @@ _CLICKED = """(event) => {
 
 def begin(state: State) -> State:
     """What the page shows for an address."""
-    return design.begin(state)
+    return feasible.begin(state)
 
 
 def build(session: Session) -> None:
@@ -103,7 +103,7 @@ def _controls(session: Session) -> None:
             if word in ("try_resolution", "lens", "sensor"):
                 box.classes("rig-wide")
     with ui.element("div").classes("rig-buttons").style("margin-top:14px"):
-        action("Reset defaults", lambda: session.show(design.reset(session.state)), icon="restart_alt")
+        action("Reset defaults", lambda: session.show(feasible.reset(session.state)), icon="restart_alt")
 
 
 class _Shown:
@@ -111,7 +111,7 @@ class _Shown:
 
     def __init__(self, session: Session) -> None:
         self._session = session
-        self._found = design.find(session.state)
+        self._found = feasible.find(session.state)
         self._advice: advice.DesignAdvice | None = None
         self._busy = False
 
@@ -137,7 +137,7 @@ class _Shown:
                 self._line = (
                     ui.label().classes("rig-command").style("flex:1 1 20em").props("data-testid=command")
                 )
-                action("Copy command", lambda: copy(design.command_line(self._session.state), "Command"))
+                action("Copy command", lambda: copy(feasible.command_line(self._session.state), "Command"))
 
     def _region(self) -> None:
         with ui.element("div").classes("rig-buttons"):
@@ -179,16 +179,17 @@ class _Shown:
         like = None
         if self._advice is not None and self._advice.pick is not None:
             like = self._advice.pick.camera.width_px, self._advice.pick.camera.height_px
-        self._found = found = design.find(state, like)
+        self._found = found = feasible.find(state, like)
         self._say()
         self._counted.set_text(found.counted)
         self._draw()
-        self._line.set_text(design.command_line(state))
+        self._line.set_text(feasible.command_line(state))
         current = self._is_current
         self._show_table()
         whole = current and self._is_whole
         self._stale.set_content("" if whole else self._waiting())
         self._pick.classes(remove="rig-stale") if current else self._pick.classes("rig-stale")
+        self._pick.set_visibility(current or self._found.design is not None)
         self._actions.set_visibility(whole and self._advice is not None and not self._advice.fault)
 
     def rested(self) -> None:
@@ -206,7 +207,7 @@ class _Shown:
 
     def _waiting(self) -> str:
         if self._found.fault:
-            return "<p class=rig-soft>No rig: see above.</p>"
+            return "<p class=rig-soft>None: what the requirements need is said above.</p>"
         return "<p class=rig-soft>Built rigs are counted for these requirements …</p>"
 
     async def _advise(self) -> None:
@@ -246,7 +247,7 @@ class _Shown:
         )
         pick = made.pick
         size = pick.camera.width_px, pick.camera.height_px
-        there = design.picked(self._session.state, pick.camera.focal_px, pick.baseline_m * 1e3, size)
+        there = feasible.picked(self._session.state, pick.camera.focal_px, pick.baseline_m * 1e3, size)
         self._to_rig.props(f'href="{there.address("rig")}"')
 
     def _say(self) -> None:
@@ -266,18 +267,18 @@ class _Shown:
     def _draw(self) -> None:
         found = self._found
         sizes = {"": "as recommended"} | {
-            design.size_text(size): f"{design.size_text(size)} px" for size in found.sizes
+            feasible.size_text(size): f"{feasible.size_text(size)} px" for size in found.sizes
         }
         if self._size.options != sizes and self._session.state["region"] in sizes:
             self._size.set_options(sizes)
         if found.region is None:
             return
         camera = found.region.camera
-        candidates = design.of_size(() if found.design is None else found.design.candidates, camera)
+        candidates = feasible.of_size(() if found.design is None else found.design.candidates, camera)
         marks = [(one.camera.focal_px, one.baseline_m * 1e3) for one in candidates]
         pick = None
         if self._advice is not None and self._is_current and self._advice.pick is not None:
-            best = design.of_size([self._advice.pick], camera)
+            best = feasible.of_size([self._advice.pick], camera)
             pick = (best[0].camera.focal_px, best[0].baseline_m * 1e3) if best else None
         self._chart.options.clear()
         self._chart.options.update(region_chart(found.region, marks, pick))
@@ -306,14 +307,14 @@ class _Shown:
         shown = self._found.region
         if shown is None:
             return
-        failing = design.broken(self._found, focal_px, baseline_mm)
+        failing = feasible.broken(self._found, focal_px, baseline_mm)
         if failing:
             ui.notify(
                 f"{baseline_mm:.4g} mm with {focal_px:.4g} px fails {' and '.join(failing)}", type="warning"
             )
             return
         size = shown.camera.width_px, shown.camera.height_px
-        ui.navigate.to(design.picked(self._session.state, focal_px, baseline_mm, size).address("rig"))
+        ui.navigate.to(feasible.picked(self._session.state, focal_px, baseline_mm, size).address("rig"))
 
     def _download(self, name: str) -> None:
         if self._advice is not None and self._advice.files is not None:

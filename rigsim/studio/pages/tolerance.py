@@ -15,7 +15,7 @@ from rigsim.studio.kit.controls import SignedSpan, action, choice, quantity_slid
 from rigsim.studio.kit.numbers import Number, facts_table, notes
 from rigsim.studio.kit.session import Session
 from rigsim.studio.kit.shell import frame
-from rigsim.studio.logic import ranking, tolerance
+from rigsim.studio.logic.tolerance import built, ranking
 from rigsim.studio.state import State
 from rigsim.study.tolerance.inputs import QUANTITIES
 
@@ -31,12 +31,12 @@ _CLASSES = {"": "machined", "printed": "printed", "calibrated": "calibrated"}
 
 def begin(state: State) -> State:
     """What the page shows for an address."""
-    return tolerance.begin(state)
+    return built.begin(state)
 
 
 def build(session: Session) -> None:
     """The page."""
-    built, ranked = _Built(session), _Ranked(session)
+    one, ranked = _Built(session), _Ranked(session)
     with frame(session):
         ui.html("<h1>A rig that was built a little off</h1>", sanitize=False)
         ui.label(
@@ -46,10 +46,10 @@ def build(session: Session) -> None:
             with ui.element("div").classes("rig-stack"):
                 _controls(session)
             with ui.element("div").classes("rig-stack"):
-                built.place()
+                one.place()
                 ranked.place()
                 _command(session)
-    session.watch(built.follow)
+    session.watch(one.follow)
     session.watch(ranked.follow)
     session.when_resting(ranked.rested)
     ranked.rested()
@@ -58,13 +58,13 @@ def build(session: Session) -> None:
 def _controls(session: Session) -> None:
     with ui.element("section").classes("rig-panel w-full").props('aria-label="Built rig"'):
         ui.html("<h2>The built rig is off by</h2>", sanitize=False)
-        for one in tolerance.DEVIATIONS:
-            span = SignedSpan(-one.reach, one.reach, log=False, unit=tolerance.UNIT_OF[one.word])
+        for one in built.DEVIATIONS:
+            span = SignedSpan(-one.reach, one.reach, log=False, unit=built.UNIT_OF[one.word])
             name = QUANTITIES[one.key]
             label = f"{name[:1].upper()}{name[1:]}, {span.unit}"
             quantity_slider(session, one.word, label, one.kind, span, 0.0, placeholder=f"0 {span.unit}")
         with ui.element("div").classes("rig-buttons").style("margin-top:10px"):
-            action("As drawn", lambda: session.show(tolerance.as_drawn(session.state)), icon="restart_alt")
+            action("As drawn", lambda: session.show(built.as_drawn(session.state)), icon="restart_alt")
     with ui.element("section").classes("rig-panel w-full").props('aria-label="What it is held to"'):
         ui.html("<h2>What it is held to</h2>", sanitize=False)
         with ui.element("div").classes("rig-fields"):
@@ -97,10 +97,10 @@ def _command(session: Session) -> None:
         ui.html("<h2>Ranking and yields on the command line</h2>", sanitize=False)
         with ui.element("div").classes("rig-buttons"):
             line = ui.label().classes("rig-command").style("flex:1 1 20em").props("data-testid=command")
-            action("Copy command", lambda: copy(tolerance.command_line(session.state), "Command"))
+            action("Copy command", lambda: copy(built.command_line(session.state), "Command"))
 
     def follow() -> None:
-        line.set_text(tolerance.command_line(session.state))
+        line.set_text(built.command_line(session.state))
 
     session.watch(follow)
 
@@ -129,7 +129,7 @@ class _Built:
 
     def follow(self) -> None:
         """Draw what the words say."""
-        found = tolerance.find(self._session.state)
+        found = built.find(self._session.state)
         self._said.set_content(notes(found.fault, found.remarks))
         kind, text = found.verdict
         self._badge.set_content(
@@ -139,7 +139,7 @@ class _Built:
         for key, shown in self._numbers:
             shown.show(facts.get(key))
         self._table.set_content(_distances(found))
-        alone = tolerance.alone(found)
+        alone = built.alone(found)
         self._alone.set_content(f"<h3>Each alone, mean depth error</h3>{facts_table(alone)}" if alone else "")
         if found.answer is None:
             return
@@ -152,7 +152,7 @@ class _Built:
         self._where.set_content(f"<h2>Depth error over the left image, at {at}</h2>")
 
 
-def _distances(found: tolerance.BuiltFound) -> str:
+def _distances(found: built.BuiltFound) -> str:
     if found.answer is None:
         return ""
     heads = (
@@ -249,7 +249,7 @@ class _Ranked:
             self._busy = False
 
     def _show(self, made: ranking.Ranking) -> None:
-        name = self._session.state["class"] or tolerance.CLASSES[0]
+        name = self._session.state["class"] or built.CLASSES[0]
         self._title.set_content(f"<h2>What matters most in a {escape(name)} build</h2>")
         self._bars.set_visibility(not made.fault)
         if made.fault:

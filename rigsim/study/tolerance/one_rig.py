@@ -128,6 +128,11 @@ class Bench:
             InvalidRig: no such rig can be built.
         """
         theta = _theta(off)
+        least_mm = -1e3 * self.rig.baseline_m
+        if not off.get("baseline_mm", 0.0) > least_mm:
+            raise InvalidRange(
+                f"built rig, baseline {off['baseline_mm']:g} mm: must be > {least_mm:g} mm, which leaves none"
+            )
         depth, rows = _read(self.rig, theta[None], self.points)
         place = [float(judge.z[0]) for judge in self.judges].index(self.required.depth_m)
         cut = self.cuts[place]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from rigsim.present.design.console import candidate_row
-from rigsim.studio.logic.design import picked
+from rigsim.studio.logic.design.feasible import picked
 from rigsim.studio.state import State
 from rigsim.study.design.solve import Candidate
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rigsim.errors import RigsimError
-from rigsim.studio.logic import tolerance as logic
+from rigsim.studio.logic.tolerance import built as logic
 from rigsim.studio.state import State
 from rigsim.studio.words import OF_RIG
 

@@ -158,7 +158,7 @@ def find(state: State, like: Size | None = None) -> Feasible:
                 None,
                 _region(specification, shown, cameras),
                 sizes,
-                why_not(specification, intervals, ways),
+                signs(why_not(specification, intervals, ways)),
                 tuple(_way(state, way, noise_px) for way in ways[:3]),
             )
         # built rigs are counted when the hand rests: until then the order of what they cost
@@ -167,6 +167,11 @@ def find(state: State, like: Size | None = None) -> Feasible:
         return Feasible(specification, found, _region(specification, shown, cameras), sizes, "", ())
     except RigsimError as error:
         return Feasible(specification, None, None, sizes, str(error), ())
+
+
+def signs(text: str) -> str:
+    """With one sign for two, as people write it."""
+    return text.replace("<=", "≤").replace(">=", "≥")
 
 
 def size_text(size: Size) -> str:
@@ -195,7 +200,7 @@ def broken(found: Feasible, focal_px: float, baseline_mm: float) -> list[str]:
     camera = Camera(shown.camera.width_px, shown.camera.height_px, focal_px, body_m=shown.camera.body_m)
     baseline_m = baseline_mm / 1e3
     return [
-        says.whole(asked)
+        signs(says.whole(asked))
         for asked in spec.asked_of(camera)
         if not asked.is_met(asked.achieved(camera, baseline_m, spec.disparity_std_px))
     ]

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from rigsim.errors import RigsimError
-from rigsim.studio.logic import design as logic
+from rigsim.studio.logic.design import feasible as logic
 from rigsim.studio.state import State
 from rigsim.study.design.solve import Candidate
 
@@ -81,9 +81,9 @@ def advise(words: Mapping[str, str]) -> DesignAdvice:
         found.pareto,
         made.headline,
         ("untold", "no built rig can be judged") if held is None else held_by(held),
-        tuple(map(_signs, (*console.sentences(found, ()), *(remark.text for remark in made.remarks)))),
+        tuple(map(logic.signs, (*console.sentences(found, ()), *(remark.text for remark in made.remarks)))),
         building,
-        tuple((row[0], _signs(row[1]), row[2], row[5]) for row in console.requirement_rows(found, ())),
+        tuple((row[0], logic.signs(row[1]), row[2], row[5]) for row in console.requirement_rows(found, ())),
         {
             "rig.toml": write_rig(made.rig, comment, made.sensor).encode(),
             "design.json": (json_text(document) + "\n").encode(),
@@ -108,8 +108,3 @@ def report(words: Mapping[str, str]) -> bytes:
 def asked(state: State) -> dict[str, str]:
     """The words that a design depends on: with the same ones it is the same."""
     return {name: state[name] for name in logic.OPTIONS if state[name]}
-
-
-def _signs(text: str) -> str:
-    """With one sign for two."""
-    return text.replace("<=", "≤").replace(">=", "≥")

@@ -1,0 +1,1 @@
+"""The Tolerance page: one built rig, and the ranking of a class."""
