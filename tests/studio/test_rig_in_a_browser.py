@@ -75,3 +75,26 @@ def test_lens_by_focal_length_takes_the_place_of_the_field_of_view(page: Page) -
     assert "hfov" not in page.driver.current_url
     page.click("Undo")
     page.until(lambda: "hfov=60deg" in page.driver.current_url)
+
+
+def test_proving_puts_three_witnesses_beside_each_other_until_the_rig_is_another(page: Page) -> None:
+    page.open("/rig?preset=boards&range=0.5:5m")
+    page.click("Prove it")
+    page.until(lambda: page.text("proof-verdict") == "agrees")
+    rows = [row.text for row in element(page, "proof").find_elements(By.TAG_NAME, "tr")]
+    assert "predicted, mm simulated, mm measured, mm" in rows[0]
+    assert rows[-1].startswith("all points")
+    assert page.text("command-proof").startswith("rigsim sweep --rig rig.toml --scene boards --noise 0.25")
+    page.type("Baseline", "130mm")
+    page.until(lambda: is_there(page, "proof-stale"))
+    page.type("Baseline", "120mm")
+    page.until(lambda: not is_there(page, "proof-stale"))
+    page.shows("proof-verdict", "agrees")
+
+
+def test_a_proof_can_be_cancelled(page: Page) -> None:
+    page.open("/rig?preset=boards&range=0.5:5m")
+    page.click("Prove it")
+    page.until(lambda: page.text("proof-said").endswith("…"))
+    page.click("Cancel")
+    page.until(lambda: "Cancelled" in page.text("proof-said"))
