@@ -34,10 +34,12 @@ def build(session: Session) -> None:
         ui.label(
             "Turn and shift the right camera; see what the rig that you assume reads, and where."
         ).classes("rig-lead")
-        with ui.element("div").classes("rig-columns"):
-            with ui.element("div").classes("rig-stack"):
-                _controls(session)
-            with ui.element("div").classes("rig-stack"):
+        with ui.element("div").classes("rig-columns rig-three"):
+            with ui.element("div").classes("rig-stack rig-first"):
+                _sliders(session)
+            with ui.element("div").classes("rig-stack rig-last"):
+                _asked(session)
+            with ui.element("div").classes("rig-stack rig-beside"):
                 one.place()
                 pair.place()
                 ranked.place()
@@ -50,7 +52,7 @@ def build(session: Session) -> None:
     ranked.rested()
 
 
-def _controls(session: Session) -> None:
+def _sliders(session: Session) -> None:
     with ui.element("section").classes("rig-panel w-full").props('aria-label="Built rig"'):
         ui.html("<h2>The built rig is off by</h2>", sanitize=False)
         for one in built.DEVIATIONS:
@@ -60,6 +62,9 @@ def _controls(session: Session) -> None:
             quantity_slider(session, one.word, label, one.kind, span, 0.0, placeholder=f"0 {span.unit}")
         with ui.element("div").classes("rig-buttons").style("margin-top:10px"):
             action("As drawn", lambda: session.show(built.as_drawn(session.state)), icon="restart_alt")
+
+
+def _asked(session: Session) -> None:
     with ui.element("section").classes("rig-panel w-full").props('aria-label="What it is held to"'):
         ui.html("<h2>What it is held to</h2>", sanitize=False)
         with ui.element("div").classes("rig-fields"):

@@ -10,7 +10,7 @@ from nicegui import run, ui
 from rigsim.present.kit.format import percent, plain
 from rigsim.present.live.built import ranked_bars
 from rigsim.studio.kit.controls import action
-from rigsim.studio.kit.numbers import notes
+from rigsim.studio.kit.numbers import notes, scrolling
 from rigsim.studio.kit.session import Session
 from rigsim.studio.logic.tolerance import built, ranking
 
@@ -31,7 +31,7 @@ class Ranked:
             self._stale = ui.html("", sanitize=False).props('aria-live="polite"')
             self._yield = ui.html("", sanitize=False).classes("w-full")
             self._bars = ui.echart({"series": []}, renderer="svg").classes("rig-chart").props('role="img"')
-            self._needed = ui.html("", sanitize=False).classes("rig-scroll")
+            self._needed = scrolling("What each quantity may be")
             with ui.element("div").classes("rig-buttons").style("margin-top:12px"):
                 action("tolerance.csv", self._download, icon="download")
 
