@@ -114,6 +114,7 @@ class _Shown:
         self._found = feasible.find(session.state)
         self._advice: advice.DesignAdvice | None = None
         self._busy = False
+        self._says: tuple[str, tuple[feasible.WayOut, ...]] = ("", ())
 
     def place(self) -> None:
         """Lay it out."""
@@ -251,6 +252,10 @@ class _Shown:
         self._to_rig.props(f'href="{there.address("rig")}"')
 
     def _say(self) -> None:
+        says = self._found.fault, self._found.ways
+        if says == self._says:
+            return
+        self._says = says
         self._said.clear()
         with self._said:
             if self._found.fault:
@@ -266,11 +271,7 @@ class _Shown:
 
     def _draw(self) -> None:
         found = self._found
-        sizes = {"": "as recommended"} | {
-            feasible.size_text(size): f"{feasible.size_text(size)} px" for size in found.sizes
-        }
-        if self._size.options != sizes and self._session.state["region"] in sizes:
-            self._size.set_options(sizes)
+        self._offer_sizes()
         if found.region is None:
             return
         camera = found.region.camera
@@ -286,6 +287,15 @@ class _Shown:
         size = f"{camera.width_px}x{camera.height_px} px"
         self._chart.props(f'aria-label="Feasible baselines over focal lengths with {size}"')
         self._counted.set_text(f"{found.counted} Shown: baselines over focal lengths with {size}.".strip())
+
+    def _offer_sizes(self) -> None:
+        """Put the image sizes that are tried into the list; one that was chosen stays in it."""
+        chosen = self._session.state["region"]
+        sizes = {"": "as recommended"}
+        sizes |= {text: f"{text} px" for text in map(feasible.size_text, self._found.sizes)}
+        sizes.setdefault(chosen, f"{chosen} px, not tried")
+        if self._size.options != sizes:
+            self._size.set_options(sizes, value=chosen)
 
     def _show_table(self) -> None:
         state = self._session.state
