@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from html import escape
 
-from nicegui import run, ui
+from nicegui import ui
 
 from rigsim.errors import RigsimError
 from rigsim.present.live.region import region_chart
@@ -18,6 +18,7 @@ from rigsim.rig.quantity import (
     SENSOR_WIDTH,
     QuantityKind,
 )
+from rigsim.studio.kit.apart import apart
 from rigsim.studio.kit.clipboard import copy
 from rigsim.studio.kit.controls import action, choice, text_box
 from rigsim.studio.kit.numbers import notes
@@ -218,7 +219,7 @@ class _Shown:
         try:
             while self._found.design is not None and not (self._is_current and self._is_whole):
                 do = advice.advise if self._is_current else advice.first_pick
-                made = await run.cpu_bound(do, advice.asked(self._session.state))
+                made = await apart(do, advice.asked(self._session.state))
                 if made is None:
                     return
                 self._advice = made
@@ -333,7 +334,7 @@ class _Shown:
     async def _report(self) -> None:
         ui.notify("The report is being made: some seconds")
         try:
-            page = await run.cpu_bound(advice.report, advice.asked(self._session.state))
+            page = await apart(advice.report, advice.asked(self._session.state))
         except RigsimError as error:
             ui.notify(str(error), type="warning")
             return
