@@ -97,7 +97,7 @@ def test_where_nothing_is_feasible_it_says_what_to_relax_and_that_does() -> None
     found = feasible.find(feasible.DEFAULTS.with_words(depth_error="1mm@3m"))
     assert found.design is None
     assert found.region is not None
-    assert "no rig meets all requirements" in found.fault
+    assert "No rig meets all requirements" in found.fault
     assert "≤ 1 mm" in found.fault
     assert next(way.text for way in found.ways).startswith("depth error at 3 m from 1 mm to 5.2 mm")
     for way in found.ways:
@@ -127,8 +127,8 @@ def test_each_limit_can_be_relaxed_by_a_press(word: str, text: str, kind: str) -
     ("words", "says"),
     [
         ({"range": "0.5:3"}, "m or mm?"),
-        ({"range": ""}, "range: is needed"),
-        ({"depth_error": ""}, "depth error: is needed"),
+        ({"range": ""}, "Range: is needed"),
+        ({"depth_error": ""}, "Depth error: is needed"),
         ({"depth_error": "10@3m"}, "mm or %?"),
         ({"lens": "4"}, "mm, px or deg?"),
         ({"prefer": "best"}, "choose one of buildable"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import io
+import itertools
 import os
 import signal
 import subprocess
@@ -16,13 +17,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from rigsim import BrownConrady, Intrinsics, StereoRig
+from rigsim import BrownConrady, Intrinsics, RigsimError, StereoRig
 from rigsim.studio.draw.process import RenderProcess
 from rigsim.studio.draw.request import Failed, Pair, PairRequest
 from rigsim.studio.draw.worker import Painter
 from tests.helpers.processes import is_alive, wait_for_end
 from tests.helpers.scenes import SLANTED, write
 
+NUMBERS = itertools.count()
 RIG = StereoRig.rectified(Intrinsics.from_focal(640, 360, 450.0), 0.12)
 
 
@@ -65,6 +67,11 @@ def coarse(scene: str, **more: Any) -> PairRequest:
     return PairRequest(RIG, scene, coarse=True, **more)
 
 
+def slow(scene: str) -> PairRequest:
+    """One that takes a second, and is never the last one drawn."""
+    return PairRequest(RIG, scene, size=(1280, 720), noise_px=0.1 + next(NUMBERS) / 1000)
+
+
 def full(scene: str) -> PairRequest:
     return PairRequest(RIG, scene)
 
@@ -104,13 +111,12 @@ def test_left_and_right_are_not_swapped(painter: Painter, scene: str) -> None:
 
 def test_only_the_newest_request_of_a_key_survives(renderer: RenderProcess, scene: str) -> None:
     async def main() -> None:
-        calls = [
-            asyncio.ensure_future(renderer.draw("tab", coarse(scene, noise_px=0.1 * i))) for i in range(1, 8)
-        ]
-        answers = await asyncio.gather(*calls)
-        drawn = [answer for answer in answers if isinstance(answer, Pair)]
-        assert answers[1:6] == [None] * 5  # the first may have been begun already
-        assert len(drawn) in (1, 2)
+        busy = asyncio.ensure_future(renderer.draw("z", slow(scene)))
+        await until(lambda: renderer.drawing == "z")
+        asked = [coarse(scene, noise_px=0.1 * i) for i in range(1, 8)]
+        answers = await asyncio.gather(*(renderer.draw("tab", request) for request in asked))
+        assert isinstance(await busy, Pair)
+        assert answers[:-1] == [None] * 6
         newest = answers[-1]
         assert isinstance(newest, Pair)
         seen = np.isfinite(newest.depth_std_m)
@@ -129,38 +135,27 @@ def test_keys_take_turns_and_coarse_goes_before_full(renderer: RenderProcess, sc
             if await renderer.draw(key, request) is not None:
                 order.append(name)
 
-        for key in ("a", "b", "c"):
+        for key in ("a", "b", "c", "a"):
             await draw("", key, coarse(scene))
         order.clear()
-        # a is drawn at once; while it is, a asks for more than b and c do, and d for a full picture
-        first = asyncio.ensure_future(draw("a1", "a", coarse(scene)))
-        await until(lambda: renderer.drawing == "a")
-        rest = [
-            asyncio.ensure_future(draw(name, key, request))
-            for name, key, request in (
-                ("d full", "d", full(scene)),
-                ("a2", "a", coarse(scene)),
-                ("b", "b", coarse(scene)),
-                ("c", "c", coarse(scene)),
-            )
-        ]
-        await asyncio.gather(first, *rest)
-        assert order == ["a1", "b", "c", "a2", "d full"]
+        busy = asyncio.ensure_future(draw("z", "z", slow(scene)))
+        await until(lambda: renderer.drawing == "z")
+        asked = (("d", full(scene)), ("a", coarse(scene)), ("c", coarse(scene)), ("b", coarse(scene)))
+        await asyncio.gather(busy, *(draw(key, key, request) for key, request in asked))
+        assert order == ["z", "b", "c", "a", "d"]
 
     asyncio.run(main())
 
 
 def test_a_full_picture_that_nobody_wants_any_more_gives_way(renderer: RenderProcess, scene: str) -> None:
     async def main() -> None:
-        large = PairRequest(RIG, scene, size=(1280, 720))
-        assert isinstance(await renderer.draw("tab", large), Pair)
-        slow = asyncio.ensure_future(renderer.draw("tab", large))
+        large = asyncio.ensure_future(renderer.draw("tab", slow(scene)))
         await until(lambda: renderer.drawing == "tab")
         quick = await renderer.draw("tab", coarse(scene))
         assert isinstance(quick, Pair)
         assert quick.coarse
-        assert slow.done()
-        assert await slow is None
+        assert large.done()
+        assert await large is None
 
     asyncio.run(main())
 
@@ -170,14 +165,13 @@ def test_a_killed_renderer_is_said_and_the_next_picture_comes(renderer: RenderPr
         assert isinstance(await renderer.draw("a", coarse(scene)), Pair)
         killed = renderer.pid
         assert killed is not None
-        one = asyncio.ensure_future(renderer.draw("a", full(scene)))
+        one = asyncio.ensure_future(renderer.draw("a", slow(scene)))
         await until(lambda: renderer.drawing == "a")
         other = asyncio.ensure_future(renderer.draw("b", coarse(scene)))
-        await until(lambda: renderer.waiting == ("b",) or other.done())
+        await until(lambda: renderer.waiting == ("b",))
         os.kill(killed, signal.SIGKILL)
-        told = [answer for answer in await asyncio.gather(one, other) if isinstance(answer, Failed)]
-        assert told
-        for failed in told:
+        for failed in await asyncio.gather(one, other):
+            assert isinstance(failed, Failed)
             assert failed.text == (
                 "The renderer stopped (killed by signal 9); it has been started again: "
                 "move a control to draw anew."
@@ -227,10 +221,10 @@ def test_released_keys_free_the_process(scene: str) -> None:
 
 def test_release_and_close_let_calls_return(renderer: RenderProcess, scene: str) -> None:
     async def main() -> None:
-        busy = asyncio.ensure_future(renderer.draw("a", coarse(scene)))
+        busy = asyncio.ensure_future(renderer.draw("a", slow(scene)))
         await until(lambda: renderer.drawing == "a")
         waiting = asyncio.ensure_future(renderer.draw("b", coarse(scene)))
-        await until(lambda: renderer.waiting == ("b",) or waiting.done())
+        await until(lambda: renderer.waiting == ("b",))
         renderer.release("b")
         assert await waiting is None
         assert isinstance(await busy, Pair)
@@ -377,6 +371,24 @@ def test_overlays_have_the_pictures_size_and_say_their_scale(
     assert (picture[~inside] == 60).all()
 
 
+def test_another_overlay_costs_no_new_pictures(
+    painter: Painter, scene: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain = painter.answer(coarse(scene))
+    assert isinstance(plain, Pair)
+
+    def drawn(*_: Any) -> None:
+        raise RigsimError("drawn")
+
+    monkeypatch.setattr("rigsim.study.glance.glance", drawn)
+    overlaid = painter.answer(coarse(scene, overlay="disparity"))
+    assert isinstance(overlaid, Pair)
+    assert overlaid.overlay_image is not None
+    assert overlaid.left == plain.left
+    for other in (coarse(scene, noise_px=0.5), full(scene), coarse(scene, built=RIG)):
+        assert painter.answer(other) == Failed("drawn")
+
+
 def test_the_last_two_scenes_stay_open(painter: Painter, scene: str, tmp_path: Any) -> None:
     other = write(tmp_path, SLANTED, "other.xml")
     third = write(tmp_path, SLANTED, "third.xml")
@@ -387,10 +399,10 @@ def test_the_last_two_scenes_stay_open(painter: Painter, scene: str, tmp_path: A
 
 def test_a_cancelled_call_leaves_the_queue(renderer: RenderProcess, scene: str) -> None:
     async def main() -> None:
-        busy = asyncio.ensure_future(renderer.draw("a", coarse(scene)))
+        busy = asyncio.ensure_future(renderer.draw("a", slow(scene)))
         await until(lambda: renderer.drawing == "a")
         left = asyncio.ensure_future(renderer.draw("b", full(scene)))
-        await until(lambda: renderer.waiting == ("b",) or left.done())
+        await until(lambda: renderer.waiting == ("b",))
         left.cancel()
         with pytest.raises(asyncio.CancelledError):
             await left

@@ -16,7 +16,7 @@ from rigsim.present.live.built import error_map, ranked_bars, round_up
 from rigsim.rig.perturbation import Perturbation
 from rigsim.studio.kit.controls import SignedSpan
 from rigsim.studio.logic.tolerance import built as logic
-from rigsim.studio.logic.tolerance import ranking
+from rigsim.studio.logic.tolerance import ranking, rows
 from rigsim.studio.logic.tolerance.built import DEVIATIONS
 from rigsim.studio.state import State, read_state
 from rigsim.study.tolerance.one_rig import MAY_BE_OFF
@@ -224,3 +224,24 @@ def test_bars_have_units_and_the_worst_on_top() -> None:
     assert chart["yAxis"]["data"] == ["yaw", "roll"]
     assert chart["yAxis"]["inverse"]
     assert chart["series"][0]["data"] == [15.2, 1.0]
+
+
+def test_the_marked_row_is_lower_in_the_right_picture_by_what_the_rows_are_apart() -> None:
+    found = logic.find(BASE.with_words(off_cy="7.2px"))
+    assert rows.row_apart_px(found, 0.5) == pytest.approx(7.2)
+    assert rows.guide(found, 0.5, (320, 180), right=False).count("<line") == 1
+    # 7.2 of 720 rows are 1.8 of 180
+    assert 'y1="91.80"' in rows.guide(found, 0.5, (320, 180), right=True)
+    assert "7.20 px lower in the right picture" in rows.guide_words(found, 0.5)
+    assert "on the same row" in rows.guide_words(logic.find(BASE), 0.5)
+
+
+def test_the_pair_is_taken_by_the_built_rig_and_read_by_the_assumed_one() -> None:
+    found = logic.find(BASE.with_words(off_pitch="0.2deg"))
+    request = rows.pair_wanted(found, "boards", coarse=False)
+    assert request is not None
+    assert found.answer is not None
+    assert request.rig == rigsim.preset("boards").rig
+    assert request.built == found.answer.rig != request.rig
+    assert request.size == (640, 360)
+    assert rows.pair_wanted(logic.find(BASE.with_words(off_pitch="2mm")), "boards", coarse=True) is None

@@ -31,7 +31,7 @@ def log_axis(which: Literal["x", "y"], name: str, low: float, high: float, most:
         "min": low,
         "max": high,
         "axisTick": {"customValues": ticks},
-        "axisLabel": {"customValues": ticks, "color": TEXT},
+        "axisLabel": {"customValues": ticks, "color": TEXT, "hideOverlap": True},
         "minorTick": {"show": False},
         **named(which, name),
     }

@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from rigsim.present.live.axes import COLORS, TEXT, named
+from rigsim.present.live.axes import COLORS, PICK, TEXT, named
 from rigsim.rig.arrays import Array
 
 _DIVERGING = ("#08519c", "#4292c6", "#9ecae1", "#f2f2f2", "#fdbe85", "#e6550d", "#9a3403")
 """Blue for negative, orange for positive: told apart by the colour-blind, and equal in lightness."""
 _STEPS = (1, 2, 5, 10)
+_GUIDE_PX = 640
 
 
 def error_map(u_px: Array, v_px: Array, values: Array, name: str, unit: str) -> dict[str, Any]:
@@ -125,3 +126,24 @@ def ranked_bars(
             for name, values, color in bars
         ],
     }
+
+
+def row_guide(share: float, apart: float | None, drawn: tuple[int, int]) -> str:
+    """A marked row over a picture: where a matcher looks, and where the points of that row are.
+
+    Args:
+        share: the row, from 0 at the top to 1 at the bottom.
+        apart: how much lower the points are, as a share of the height; None for no second line.
+        drawn: width and height of the picture, px.
+    """
+    width, height = drawn
+    thin = max(width / _GUIDE_PX, 0.5)
+    looks = (
+        f'stroke="#ffffff" stroke-width="{1.5 * thin:.2f}" stroke-dasharray="{5 * thin:.1f} {4 * thin:.1f}"'
+    )
+    found = f'stroke="{PICK}" stroke-width="{2 * thin:.2f}"'
+    lines = [(share, looks)] if apart is None else [(share, looks), (share + apart, found)]
+    return "".join(
+        f'<line x1="0" x2="{width}" y1="{at * height:.2f}" y2="{at * height:.2f}" {style}/>'
+        for at, style in lines
+    )

@@ -56,3 +56,10 @@ def notes(fault: str, remarks: Iterable[Remark]) -> str:
     first = f"<div class=rig-fault role=alert data-testid=fault>{escape(fault)}</div>" if fault else ""
     texts = dict.fromkeys(remark.text for remark in remarks)
     return first + "".join(f"<div class=rig-note>{escape(text)}</div>" for text in texts)
+
+
+def scrolling(name: str) -> ui.html:
+    """A place for a table that may be wider than the screen: reached, and moved, by keys as well."""
+    return (
+        ui.html("", sanitize=False).classes("rig-scroll").props(f'tabindex=0 role=region aria-label="{name}"')
+    )

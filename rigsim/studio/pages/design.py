@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from html import escape
 
-from nicegui import run, ui
+from nicegui import ui
 
 from rigsim.errors import RigsimError
 from rigsim.present.live.region import region_chart
@@ -18,6 +18,7 @@ from rigsim.rig.quantity import (
     SENSOR_WIDTH,
     QuantityKind,
 )
+from rigsim.studio.kit.apart import apart
 from rigsim.studio.kit.clipboard import copy
 from rigsim.studio.kit.controls import action, choice, text_box
 from rigsim.studio.kit.numbers import notes
@@ -114,6 +115,7 @@ class _Shown:
         self._found = feasible.find(session.state)
         self._advice: advice.DesignAdvice | None = None
         self._busy = False
+        self._says: tuple[str, tuple[feasible.WayOut, ...]] = ("", ())
 
     def place(self) -> None:
         """Lay it out."""
@@ -217,7 +219,7 @@ class _Shown:
         try:
             while self._found.design is not None and not (self._is_current and self._is_whole):
                 do = advice.advise if self._is_current else advice.first_pick
-                made = await run.cpu_bound(do, advice.asked(self._session.state))
+                made = await apart(do, advice.asked(self._session.state))
                 if made is None:
                     return
                 self._advice = made
@@ -251,6 +253,10 @@ class _Shown:
         self._to_rig.props(f'href="{there.address("rig")}"')
 
     def _say(self) -> None:
+        says = self._found.fault, self._found.ways
+        if says == self._says:
+            return
+        self._says = says
         self._said.clear()
         with self._said:
             if self._found.fault:
@@ -266,11 +272,7 @@ class _Shown:
 
     def _draw(self) -> None:
         found = self._found
-        sizes = {"": "as recommended"} | {
-            feasible.size_text(size): f"{feasible.size_text(size)} px" for size in found.sizes
-        }
-        if self._size.options != sizes and self._session.state["region"] in sizes:
-            self._size.set_options(sizes)
+        self._offer_sizes()
         if found.region is None:
             return
         camera = found.region.camera
@@ -286,6 +288,15 @@ class _Shown:
         size = f"{camera.width_px}x{camera.height_px} px"
         self._chart.props(f'aria-label="Feasible baselines over focal lengths with {size}"')
         self._counted.set_text(f"{found.counted} Shown: baselines over focal lengths with {size}.".strip())
+
+    def _offer_sizes(self) -> None:
+        """Put the image sizes that are tried into the list; one that was chosen stays in it."""
+        chosen = self._session.state["region"]
+        sizes = {"": "as recommended"}
+        sizes |= {text: f"{text} px" for text in map(feasible.size_text, self._found.sizes)}
+        sizes.setdefault(chosen, f"{chosen} px, not tried")
+        if self._size.options != sizes:
+            self._size.set_options(sizes, value=chosen)
 
     def _show_table(self) -> None:
         state = self._session.state
@@ -323,7 +334,7 @@ class _Shown:
     async def _report(self) -> None:
         ui.notify("The report is being made: some seconds")
         try:
-            page = await run.cpu_bound(advice.report, advice.asked(self._session.state))
+            page = await apart(advice.report, advice.asked(self._session.state))
         except RigsimError as error:
             ui.notify(str(error), type="warning")
             return

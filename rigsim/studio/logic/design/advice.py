@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from rigsim.errors import RigsimError
 from rigsim.studio.logic.design import feasible as logic
+from rigsim.studio.logic.faults import plain
 from rigsim.studio.state import State
 from rigsim.study.design.solve import Candidate
 
@@ -50,7 +51,7 @@ def first_pick(words: Mapping[str, str]) -> DesignAdvice:
         options = DesignOptions(**logic.arguments(State(words)), proof=False)
         found = solve(specified(options), cameras_tried(options), options.prefer)
     except RigsimError as error:
-        return DesignAdvice(words, str(error))
+        return DesignAdvice(words, plain(str(error)))
     return DesignAdvice(words, "", found.candidates[0], found.pareto, headline(found, ()), whole=False)
 
 
@@ -68,7 +69,7 @@ def advise(words: Mapping[str, str]) -> DesignAdvice:
     try:
         made = design(**logic.arguments(state), proof=False, command=logic.command_line(state))
     except RigsimError as error:
-        return DesignAdvice(words, str(error))
+        return DesignAdvice(words, plain(str(error)))
     found, held = made.found, made.tolerance
     document = made.document()
     pick = found.candidates[0]
@@ -81,7 +82,7 @@ def advise(words: Mapping[str, str]) -> DesignAdvice:
         found.pareto,
         made.headline,
         ("untold", "no built rig can be judged") if held is None else held_by(held),
-        tuple(map(logic.signs, (*console.sentences(found, ()), *(remark.text for remark in made.remarks)))),
+        tuple(map(_said, (*console.sentences(found, ()), *(remark.text for remark in made.remarks)))),
         building,
         tuple((row[0], logic.signs(row[1]), row[2], row[5]) for row in console.requirement_rows(found, ())),
         {
@@ -108,3 +109,8 @@ def report(words: Mapping[str, str]) -> bytes:
 def asked(state: State) -> dict[str, str]:
     """The words that a design depends on: with the same ones it is the same."""
     return {name: state[name] for name in logic.OPTIONS if state[name]}
+
+
+def _said(text: str) -> str:
+    """A sentence in the page's words."""
+    return logic.signs(plain(text))

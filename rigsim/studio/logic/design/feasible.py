@@ -14,6 +14,7 @@ from rigsim.errors import InvalidRange, RigsimError
 from rigsim.rig.arrays import Array
 from rigsim.rig.digits import short
 from rigsim.studio.logic import command
+from rigsim.studio.logic.faults import plain
 from rigsim.studio.state import State
 from rigsim.studio.words import OF_RIG, TRIED
 from rigsim.study.design import words as says
@@ -158,7 +159,7 @@ def find(state: State, like: Size | None = None) -> Feasible:
                 None,
                 _region(specification, shown, cameras),
                 sizes,
-                signs(why_not(specification, intervals, ways)),
+                signs(plain(why_not(specification, intervals, ways))),
                 tuple(_way(state, way, noise_px) for way in ways[:3]),
             )
         # built rigs are counted when the hand rests: until then the order of what they cost
@@ -166,7 +167,7 @@ def find(state: State, like: Size | None = None) -> Feasible:
         shown = _camera(state, sizes, cameras, like, found.candidates[0].camera)
         return Feasible(specification, found, _region(specification, shown, cameras), sizes, "", ())
     except RigsimError as error:
-        return Feasible(specification, None, None, sizes, str(error), ())
+        return Feasible(specification, None, None, sizes, plain(str(error)), ())
 
 
 def signs(text: str) -> str:

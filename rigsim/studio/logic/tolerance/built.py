@@ -15,6 +15,7 @@ from rigsim.rig.quantity import LENGTHS, PIXELS, TURNS, QuantityKind
 from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.studio.logic import command
+from rigsim.studio.logic.faults import plain as as_label
 from rigsim.studio.logic.rig import Shown, shown_rig
 from rigsim.studio.state import State
 from rigsim.studio.words import OF_RIG
@@ -204,7 +205,7 @@ def find(state: State) -> BuiltFound:
         answer = _bench(shown.rig, asked, range_m, shown.noise.std_px).read(deviations)
         return BuiltFound(shown, asked, answer, deviations, "", (*shown.remarks, *_remarks(state)))
     except RigsimError as error:
-        return BuiltFound(shown, asked, None, deviations, str(error))
+        return BuiltFound(shown, asked, None, deviations, as_label(str(error)))
 
 
 def assumed(state: State, size_for: str) -> Shown:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rigsim.errors import RigsimError
+from rigsim.studio.logic.faults import plain
 from rigsim.studio.logic.tolerance import built as logic
 from rigsim.studio.state import State
 from rigsim.studio.words import OF_RIG
@@ -68,7 +69,7 @@ def rank(words: Mapping[str, str], whole: bool) -> Ranking:
     try:
         made = tolerance(**arguments(state), recalibrate=whole)
     except RigsimError as error:
-        return Ranking(words, str(error))
+        return Ranking(words, plain(str(error)))
     result = made.result
     places = (1, -4, -3, -2, -1)
     quantities = tuple(

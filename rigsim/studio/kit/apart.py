@@ -1,0 +1,29 @@
+"""What takes longer than a frame runs in other processes, which end with this one."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import Any, ParamSpec, TypeVar
+
+from nicegui import run
+
+from rigsim.studio.draw.child import begin
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
+
+async def apart(do: Callable[_P, _R], *words: _P.args, **named: _P.kwargs) -> _R | None:
+    """What ``do(*words, **named)`` returns, from another process; None where the page is being closed."""
+    return await run.cpu_bound(_begun, do, words, named)
+
+
+def _begun(do: Callable[..., _R], words: tuple[Any, ...], named: dict[str, Any]) -> _R:
+    _begin_once()
+    return do(*words, **named)
+
+
+@functools.cache
+def _begin_once() -> None:
+    begin()
