@@ -217,15 +217,11 @@ def _depth_variance(rig: StereoRig, points: Array, noise: PixelNoise) -> Array:
 
 def _hessian(rig: StereoRig, points: Array) -> Array:
     """Second derivatives (N, 4, 3, 3) px/m^2 of the four pixel coordinates."""
-    H = np.empty((len(points), 4, 3, 3))
     # a step in proportion to the depth keeps truncation and rounding near 1e-10 at any range
     step = _RELATIVE_STEP * points[:, 2]
-    for axis in range(3):
-        offset = np.zeros_like(points)
-        offset[:, axis] = step
-        slope = rig.jacobian(points + offset) - rig.jacobian(points - offset)
-        H[..., axis] = slope / (2 * step)[:, None, None]
-    return H
+    along = np.eye(3)[:, None, :] * step[:, None]
+    ahead, behind = rig.jacobian(np.stack([points + along, points - along]))
+    return np.asarray(np.moveaxis((ahead - behind) / (2 * step)[:, None, None], 0, -1))
 
 
 def _checked(rig: StereoRig, points_left: npt.ArrayLike) -> Array:

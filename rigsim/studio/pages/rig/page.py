@@ -53,12 +53,11 @@ def build(session: Session) -> None:
                 controls(session, numbers, DEFAULTS)
             with ui.element("div").classes("rig-stack"):
                 figures(session, numbers)
+                first = ui.element("div").classes("rig-stack")
                 proof(session, numbers)
                 curves(session, numbers)
-                with ui.element("div").classes("rig-stack") as pictures:
-                    pass
                 take = space(session, numbers)
-                with pictures:
+                with first:
                     pair(session, numbers, take)
                 views(session, numbers)
                 commands(session, numbers)

@@ -26,6 +26,19 @@ _DOT, _WIDEST = 0.07, 6.0
 _EXAGGERATED = 10
 """Times that ellipsoids are drawn larger at first: true ones are mostly too small to be seen."""
 _HELP = "Drag to turn, scroll to come nearer; click a point for its numbers."
+_SPARE = """
+id => {
+  const view = getElement(id);
+  let seen = true;
+  const look = entries => { seen = entries[entries.length - 1].isIntersecting; };
+  new IntersectionObserver(look).observe(view.$el);
+  for (const renderer of [view.renderer, view.text_renderer, view.text3d_renderer]) {
+    const render = renderer.render.bind(renderer);
+    renderer.render = (scene, camera) => { if (seen) render(scene, camera); };
+  }
+}
+""".strip()
+"""Draws nothing while the scene is scrolled out of sight."""
 
 
 class SpaceView:
@@ -47,6 +60,7 @@ class SpaceView:
             ("mouseleave", _IDLE_FPS),
         ):
             self._scene.on(event, partial(self._hurry, fps), args=[])
+        self._scene.on("init", js_handler=f"() => ({_SPARE})({self._scene.id})")
         self._scene.classes("rig-space").props('data-testid=space aria-label="The scene in space"')
         self._scene.move_camera(7.0, -6.2, 5.6, 0.9, 5.2, 0.1, duration=0)
         self._cameras: list[tuple[Any, CameraShape] | None] = [None, None]
