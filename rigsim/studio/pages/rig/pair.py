@@ -52,7 +52,7 @@ class PairView:
             self._said = ui.html("", sanitize=False).props('aria-live="polite" data-testid=pair-said')
             with ui.element("div").classes("rig-pair"):
                 self._left = self._picture("Left", "var(--rig-left)")
-                self._right = self._picture("Right", "var(--rig-right)")
+                self._right = self._picture("Right", "var(--rig-right-text)")
             self._left.on("mouse", self._look, throttle=_MOUSE_S)
             with ui.element("div").classes("rig-titled").style("margin:8px 0 0"):
                 self._under = ui.label("Point at the left picture for depth, disparity and std.")
@@ -63,7 +63,7 @@ class PairView:
     def _picture(name: str, color: str) -> ui.interactive_image:
         with ui.element("figure").classes("rig-figure"):
             image = ui.interactive_image(_BLANK, events=["mousemove"], cross=name == "Left")
-            image.props(f'alt="{name} picture" data-testid=pair-{name.lower()}').classes("w-full")
+            image.props(f'data-alt="{name} picture" data-testid=pair-{name.lower()}').classes("w-full")
             ui.html(f"<figcaption style='color:{color}'>{name}</figcaption>", sanitize=False)
         return image
 

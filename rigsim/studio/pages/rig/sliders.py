@@ -136,6 +136,8 @@ def range_knob(session: Session, label: str, span: Span, standing: Standing) -> 
             box.set_value(session.state[word])
         if slider.value != steps():
             slider.set_value(steps())
+        near, far = current()
+        slider.props(f'aria-valuenow={steps()["min"]} aria-valuetext="{near:g} to {far:g} {span.unit}"')
 
     slider.on("update:model-value", lambda event: dragged(event.args), throttle=_THROTTLE_S)
     session.watch(follow)
