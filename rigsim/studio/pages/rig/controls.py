@@ -100,11 +100,12 @@ def _upload(session: Session) -> None:
         on_upload=taken,
         on_rejected=lambda: _fault(said, f"the file is not taken: at most {MOST_BYTES // 1_000_000} MB"),
     )
-    upload.style("display:none")  # a button of our own is one that a keyboard and a screen reader reach
-    button = action("Load a calibration", lambda: upload.run_method("pickFiles"), icon="upload_file")
-    button.classes("w-full").tooltip(
-        "rig.toml, OpenCV, ROS, Kalibr, Middlebury, KITTI, ...: what --rig reads"
-    )
+    upload.style("display: none")
+    # the browser opens its dialogue for a hand's own click, so the click does not go to the server first
+    button = ui.button("Load a calibration", icon="upload_file").props("no-caps outline color=primary")
+    button.on("click", js_handler=f"() => getElement({upload.id}).pickFiles()")
+    button.classes("w-full").style("margin-top: 8px")
+    button.tooltip("rig.toml, OpenCV, ROS, Kalibr, Middlebury, KITTI, ...: what --rig reads")
 
 
 def _fault(said: ui.html, text: str) -> None:

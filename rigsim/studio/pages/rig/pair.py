@@ -52,7 +52,7 @@ class PairView:
             self._said = ui.html("", sanitize=False).props('aria-live="polite" data-testid=pair-said')
             with ui.element("div").classes("rig-pair"):
                 self._left = self._picture("Left", "var(--rig-left)")
-                self._right = self._picture("Right", "var(--rig-right-text)")
+                self._right = self._picture("Right", "var(--rig-right)")
             self._left.on("mouse", self._look, throttle=_MOUSE_S)
             with ui.element("div").classes("rig-titled").style("margin:8px 0 0"):
                 self._under = ui.label("Point at the left picture for depth, disparity and std.")
@@ -61,10 +61,18 @@ class PairView:
 
     @staticmethod
     def _picture(name: str, color: str) -> ui.interactive_image:
+        testid = f"pair-{name.lower()}"
         with ui.element("figure").classes("rig-figure"):
             image = ui.interactive_image(_BLANK, events=["mousemove"], cross=name == "Left")
-            image.props(f'data-alt="{name} picture" data-testid=pair-{name.lower()}').classes("w-full")
-            ui.html(f"<figcaption style='color:{color}'>{name}</figcaption>", sanitize=False)
+            image.props(f"data-testid={testid}").classes("w-full")
+            dot = f"<span class=rig-dot style='background:{color}'></span>"
+            ui.html(f"<figcaption>{dot}{name}</figcaption>", sanitize=False)
+        # the picture inside has no alternative text of its own
+        says = f"img => img.alt = '{name} picture'"
+        image.on(
+            "loaded",
+            js_handler=f"() => document.querySelectorAll('[data-testid={testid}] img').forEach({says})",
+        )
         return image
 
     def moved(self) -> None:
