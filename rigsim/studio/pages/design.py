@@ -5,9 +5,8 @@ from __future__ import annotations
 from functools import partial
 from html import escape
 
-from nicegui import run, ui
+from nicegui import ui
 
-from rigsim.errors import RigsimError
 from rigsim.present.live.region import region_chart
 from rigsim.rig.quantity import (
     BASELINE,
@@ -18,6 +17,7 @@ from rigsim.rig.quantity import (
     SENSOR_WIDTH,
     QuantityKind,
 )
+from rigsim.studio.kit.beside import beside
 from rigsim.studio.kit.clipboard import copy
 from rigsim.studio.kit.controls import action, choice, text_box
 from rigsim.studio.kit.numbers import notes
@@ -72,7 +72,7 @@ def begin(state: State) -> State:
 
 def build(session: Session) -> None:
     """The page."""
-    shown = _Shown(session)
+    shown = DesignShown(session)
     with frame(session):
         ui.html("<h1>From requirements to a rig</h1>", sanitize=False)
         ui.label(
@@ -106,10 +106,11 @@ def _controls(session: Session) -> None:
         action("Reset defaults", lambda: session.show(feasible.reset(session.state)), icon="restart_alt")
 
 
-class _Shown:
+class DesignShown:
     """What is on the page beside the form."""
 
     def __init__(self, session: Session) -> None:
+        """Know what is feasible; nothing is placed yet."""
         self._session = session
         self._found = feasible.find(session.state)
         self._advice: advice.DesignAdvice | None = None
@@ -218,7 +219,7 @@ class _Shown:
         try:
             while self._found.design is not None and not (self._is_current and self._is_whole):
                 do = advice.advise if self._is_current else advice.first_pick
-                made = await run.cpu_bound(do, advice.asked(self._session.state))
+                made = await beside(do, advice.asked(self._session.state))
                 if made is None:
                     return
                 self._advice = made
@@ -332,11 +333,7 @@ class _Shown:
 
     async def _report(self) -> None:
         ui.notify("The report is being made: some seconds")
-        try:
-            page = await run.cpu_bound(advice.report, advice.asked(self._session.state))
-        except RigsimError as error:
-            ui.notify(str(error), type="warning")
-            return
+        page = await beside(advice.report, advice.asked(self._session.state))
         if page is not None:
             ui.download.content(page, "design.html")
 
