@@ -62,6 +62,7 @@ def serve(served: Served, ready: Callable[[str], None]) -> None:
         show=served.state.address(served.page) if served.show else False,
         reload=False,
         show_welcome_message=False,
+        reconnect_timeout=20.0,  # a busy machine may be late; a tab that is gone is let go of after it
         uvicorn_logging_level="error",
     )
 

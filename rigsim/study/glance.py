@@ -29,6 +29,7 @@ MOST_PIXELS = 1_300_000
 
 _SMALL = 100_000  # pixels, each of which is predicted for
 _BLOCK = 4
+_RECTIFIED_BLOCK = 8
 _ALIKE = 0.02
 
 
@@ -128,12 +129,13 @@ def _of_own_pictures(rig: StereoRig, drawn: StereoRig, points: Array, disparity:
 def _frame(
     simulator: Simulator, rig: StereoRig, built: StereoRig, coarse: bool, between: Callable[[], None]
 ) -> StereoFrame:
-    """The pictures of the built rig, and the depths of the one that is assumed."""
+    """The pictures of the built rig, and the depths of the one that is assumed, with the left cameras in one
+    place: there the two rigs differ by what moved the right one."""
     simulator.place(rig)
     depths = simulator.preview_depth(coarse)
     between()
     if built is not rig:
-        simulator.place(built)
+        simulator.place(built, rig.rig_from_left @ built.rig_from_left.inverse)
     left = simulator.preview_light(0, coarse)
     between()
     right = simulator.preview_light(1, coarse)
@@ -144,20 +146,29 @@ def _frame(
 def _expected_std(rig: StereoRig, points: Array, seen: Mask, noise: PixelNoise) -> Light:
     """Standard deviation of the depth of the points (H, W, 3) that are seen, (H, W) m.
 
-    Of a large picture it is predicted for one pixel of a block, and taken to the others that show nearly the
-    same depth by its square: exactly so for a rectified rig, to half a percent for others.
+    It is predicted for one pixel of a block, and taken to the others by the square of their depth: exactly so
+    for a rectified rig. For another rig that is done in large pictures alone, among pixels of nearly the same
+    depth, and right to half a percent.
     """
-    if seen.size <= _SMALL:
-        return _spread(predict_depth_std(rig, points[seen], noise), seen)
+    if rig.is_rectified:
+        return _by_blocks(rig, points, seen, noise, _RECTIFIED_BLOCK, math.inf)
+    if seen.size > _SMALL:
+        return _by_blocks(rig, points, seen, noise, _BLOCK, _ALIKE)
+    return _spread(predict_depth_std(rig, points[seen], noise), seen)
+
+
+def _by_blocks(
+    rig: StereoRig, points: Array, seen: Mask, noise: PixelNoise, block: int, alike: float
+) -> Light:
     depth = points[..., 2]
-    corners = points[::_BLOCK, ::_BLOCK]
-    per_square = predict_depth_std(rig, corners.reshape(-1, 3), noise) / corners[..., 2].ravel() ** 2
+    corners = points[::block, ::block].reshape(-1, 3)
+    per_square = predict_depth_std(rig, corners, noise) / corners[:, 2] ** 2
     height, width = seen.shape
-    rows, columns = np.arange(height) // _BLOCK, np.arange(width) // _BLOCK
-    block = (rows[:, None] * corners.shape[1] + columns)[seen]
-    known, own = corners[..., 2].ravel()[block], depth[seen]
-    found = per_square[block] * own**2
-    apart = ~(np.abs(own - known) <= _ALIKE * known)
+    rows, columns = np.arange(height) // block, np.arange(width) // block
+    of = (rows[:, None] * (columns[-1] + 1) + columns)[seen]
+    known, own = corners[of, 2], depth[seen]
+    found = per_square[of] * own**2
+    apart = ~(np.abs(own - known) <= alike * known)  # of a corner that shows nothing, too
     found[apart] = predict_depth_std(rig, points[seen][apart], noise)
     return _spread(found, seen)
 

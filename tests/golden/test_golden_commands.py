@@ -80,6 +80,34 @@ def test_what_moved_beyond_its_noise_is_named(changed: dict[str, Any], names: li
     assert moved(document(), document(**changed)) == {f"rows {name}": "moved" for name in names}
 
 
+@pytest.mark.parametrize(
+    ("changed", "names"),
+    [
+        # another noise is another draw: simulated numbers are held to the noise of both, closed forms are not
+        ({"noise_px": 0.252, "depth_rmse_mm": 12.5}, ["noise_px"]),
+        ({"noise_px": 0.252, "depth_rmse_mm": 14.0}, ["depth_rmse_mm", "noise_px"]),
+        (
+            {"noise_px": 0.252, "predicted_depth_rmse_mm": 9.9},
+            ["noise_px", "predicted_depth_rmse_mm"],
+        ),
+        # another rig draws other points too
+        (
+            {"baseline_mm": 51.0, "depth_rmse_mm": 12.5, "predicted_depth_rmse_mm": 9.9},
+            ["baseline_mm"],
+        ),
+        ({"baseline_mm": 51.0, "depth_rmse_mm": 14.0}, ["baseline_mm", "depth_rmse_mm"]),
+        # a triangulator sees the same noise
+        ({"triangulator": "dlt", "depth_rmse_mm": 10.0001}, ["depth_rmse_mm", "triangulator"]),
+    ],
+)
+def test_another_noise_or_rig_draws_other_noise_whatever_the_seed(
+    changed: dict[str, Any], names: list[str]
+) -> None:
+    before = document(noise_px=0.25, triangulator="optimal")
+    now = document(**{"noise_px": 0.25, "triangulator": "optimal"} | changed)
+    assert sorted(moved(before, now)) == [f"rows {name}" for name in names]
+
+
 def test_the_noise_of_a_row_is_its_own_interval() -> None:
     # by hand: (11 - 9) / (2 x 1.96) / 10 = 5.1 % of noise, 1 / sqrt(400) = 5 % of other points
     row = document()["rows"][0]
@@ -158,6 +186,9 @@ def test_another_seed_is_within_noise_and_a_worse_rig_is_not(
     with pytest.raises(AssertionError) as failed:
         assert_matches_golden(sweep(0, noise_px=0.3), golden)
     told = str(failed.value)
+    # other noise, not the same one scaled: what was simulated is not held to a millionth
+    assert "sweep: another noise draws other noise, so what is simulated is held to the noise of both" in told
+    assert "moved: rows[baseline_mm=50] depth_bias_mm" not in told
     assert "moved: rows[baseline_mm=50] predicted_depth_rmse_mm: was " in told
     assert "moved: rows[baseline_mm=50] noise_px: was 0.250 px, now 0.300 px, off by 0.0500 px" in told
 
@@ -312,6 +343,22 @@ def test_golden_files_that_cannot_be_are_refused_in_one_line(
     assert says in answer.err
     assert answer.err.count("\n") == 1
     assert (file.read_bytes() if file.exists() else None) == before
+
+
+def test_a_file_that_was_edited_by_hand_is_told_before_it_is_written_over(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "golden.csv"
+    assert run([*DEPTH, "--golden", str(file), "--update"]) == 0
+    whole = file.read_text()
+    assert "written over" not in " ".join(capsys.readouterr().out.split())
+    file.write_text(whole.replace("50,", "51,", 1))
+    assert file.read_text() != whole
+    assert run([*DEPTH, "--golden", str(file), "--update"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "does not fit its checksum: edited or cut off since it was written; it was written over" in said
+    assert "write it again" not in said
+    assert file.read_text() == whole
 
 
 def test_a_table_of_one_s_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

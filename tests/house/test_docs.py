@@ -13,6 +13,7 @@ import pytest
 
 from rigsim.cli.app import run
 from rigsim.testing import assert_triangulates
+from tests.helpers.browser import serving
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = [
@@ -42,8 +43,8 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_the_first_two_commands_are_the_entrances():
-    assert COMMANDS[:2] == ["./run sweep --baseline 50:500", "./check"]
+def test_the_first_commands_are_the_entrances():
+    assert COMMANDS[:3] == ["./run studio", "./run sweep --baseline 50:500", "./check"]
 
 
 @pytest.fixture(scope="module")
@@ -67,6 +68,9 @@ def test_commands_run(
     if own and (shared / own[1]).exists():  # a later one needed it first
         shutil.rmtree(shared / own[1])
     words = shlex.split(command.removeprefix("./run "))
+    if words[0] == "studio":
+        with serving(*words[1:]):
+            return  # it says where it is, once the page can be opened
     if command not in dict(SHOWN):
         words += SMALLER.get(words[0], "").split()
     assert run(words) == 0, capsys.readouterr().err

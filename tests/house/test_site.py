@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from rigsim.cli.app import run
+from tests.helpers.browser import serving
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 README = (DOCS.parent / "README.md").read_text(encoding="utf-8")
@@ -91,6 +92,9 @@ def test_the_python_of_the_how_to_page_runs(
 def printed_by(command: str, commands: list[str], capsys: pytest.CaptureFixture[str]) -> str:
     """What one of a page's `commands` prints, earlier ones having been run where it reads what they write."""
     words = shlex.split(command.removeprefix("./run "))
+    if words[0] == "studio":
+        with serving(*words[1:]) as server:
+            return server.said
     read_from = [word for before, word in zip(["", *words], words, strict=False) if before != "--out"]
     for earlier in commands[: commands.index(command)]:
         folder = out_of(earlier)

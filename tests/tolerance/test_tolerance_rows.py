@@ -12,6 +12,8 @@ import rigsim
 from rigsim.cli.app import run
 from rigsim.errors import InvalidRange
 from rigsim.pixels.dense.rectify import rectify
+from rigsim.present.tolerance.console import quantity_heads, quantity_rows
+from rigsim.present.tolerance.words import rows_sentence
 from rigsim.rig.arrays import Array
 from rigsim.rig.presets import PRESETS
 from rigsim.rig.stereo import StereoRig
@@ -60,6 +62,8 @@ def test_3_mm_too_low_is_off_the_row_by_2_7_px_at_1_m() -> None:
     by_key = {item.key: item for item in sensitivities(RIG, off, planes, bound)}
     close(by_key["vertical_mm"].needed_alone, 0.5 / 900 / 1.95996 * 1e3, rtol=1e-4)
     close(by_key["right_cy_px"].needed_alone, 0.5 / 1.95996, rtol=1e-4)
+    assert all(by_key[key].is_held_by_rows for key in ("vertical_mm", "right_cy_px"))
+    assert not by_key["yaw_deg"].is_held_by_rows
     # noise alone is too much: nothing helps
     by_key = {item.key: item for item in sensitivities(RIG, off, planes, bound, noise_px=1.0)}
     assert by_key["vertical_mm"].needed_alone == by_key["vertical_mm"].needed_equal_share == 0.0
@@ -139,6 +143,23 @@ def test_recalibration_brings_rows_together() -> None:
     assert result.yield_before < 0.1
     assert result.yield_after == 1.0
     assert count_good(build, required, RANGE, sizes=[60]).share == 1.0
+
+
+def test_what_breaks_the_rows_first_is_named_with_how_much_of_it() -> None:
+    # by hand: 0.5 px / 1.96 of the principal point, 0.2551 px of the 0.5 px that it has; 0.2834 mm of 3 mm
+    off = Tolerances(vertical_mm=3.0, right_cy_px=0.5, yaw_deg=0.1)
+    required = BuildRequirement(0.05, 3.0, row_px=0.5)
+    result = run_tolerance(Build(RIG, off), required, RANGE, n_rigs=20, n_points=40, with_interactions=False)
+    said = rows_sentence(result)
+    assert "What breaks them first, alone, is vertical shift (over 0.283 mm, the class has 3), then " in said
+    assert "then right principal point v (over 0.255 px, the class has 0.5)." in said
+    cells = {row[0]: row for row in quantity_rows(result)}
+    at = quantity_heads(result).index("held\nby")
+    assert [cells[name][at] for name in ("vertical shift", "yaw")] == ["rows", "depth"]
+    free = replace(required, row_px=None)
+    result = run_tolerance(Build(RIG, off), free, RANGE, n_rigs=20, n_points=40, with_interactions=False)
+    assert "held\nby" not in quantity_heads(result)
+    assert "breaks" not in rows_sentence(result)
 
 
 def test_the_command_tells_rows(capsys: pytest.CaptureFixture[str]) -> None:

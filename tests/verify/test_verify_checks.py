@@ -80,6 +80,15 @@ def test_rows_without_an_answer_may_be_nan_behind_or_at_infinity_but_nowhere_els
     assert not check.ok
 
 
+def test_what_came_back_behind_a_camera_is_told_from_what_did_not_come_back() -> None:
+    case = exact(BY_NAME["rectified"], 50, stream(0, "x"))
+    found = case.points_left.copy()
+    found[:5] *= -1
+    found[5:8] = np.nan
+    answered = named(judge(case, found, 1e-4))["answered"]
+    assert (answered.name, answered.value, answered.n_behind) == ("answered", 8, 5)
+
+
 def test_noise_may_push_as_many_rows_behind_the_camera_as_it_does_and_no_more() -> None:
     # disparities of 0.2 px under 0.1 px of noise: sigma_d 0.1414, so 7.9 % are negative
     points_left = np.tile([0.0, 0.0, 500.0], (4000, 1))

@@ -51,6 +51,8 @@ def test_numbers(value: float, said: str) -> None:
 def test_found_and_allowed() -> None:
     missing = check("answered", 89, 0, 0, "rows")
     assert (words.found(missing, 200), words.allowed(missing)) == ("no point in 89 of 200 rows", "0 rows")
+    for n_behind, said in ((89, "point behind in 89 of 200 rows"), (7, "none or behind in 89 of 200 rows")):
+        assert words.found(replace(missing, n_behind=n_behind), 200) == said
     assert words.found(check("nowhere", 1, 0, 0, "rows")) == "a point in 1 row"
     assert words.allowed(check("answered", 9, 0, 3, "rows")) == "at most 3 rows"
     exact = check("exact", 1.66, 0, 1e-9, "m")

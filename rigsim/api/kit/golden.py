@@ -12,7 +12,7 @@ from rigsim.errors import InvalidRange
 from rigsim.rig import given
 
 if TYPE_CHECKING:
-    from rigsim.study.golden.compare import GoldenReport, Record
+    from rigsim.study.golden.compare import GoldenComparison, GoldenReport, Record
 
 GOLDEN = Path("reports/golden")
 """Where golden results are written unless something else is said."""
@@ -57,10 +57,10 @@ def hold(
             str(file), compare([_named(read_one(place, command), record)], [record], looser=looser)
         )
     check_golden(place, command, update)
-    comparison = GoldenComparison(())
-    if file.exists():
-        comparison = _against_old(place, record, looser)
-    return GoldenReport(str(file), comparison, written=(str(write_one(place, record)),))
+    comparison, troubles = (
+        _against_old(place, record, looser) if file.exists() else (GoldenComparison(()), ())
+    )
+    return GoldenReport(str(file), comparison, troubles, written=(str(write_one(place, record)),))
 
 
 def print_comparison(report: GoldenReport | None) -> None:
@@ -99,16 +99,18 @@ def record_from(found: Any, keys: str | Sequence[str] = ()) -> Record:
     return table_record(rows, [str(key) for key in given.several(keys)], {})
 
 
-def _against_old(place: Path, record: Record, looser: float) -> Any:
+def _against_old(place: Path, record: Record, looser: float) -> tuple[GoldenComparison, tuple[str, ...]]:
+    """What moved since the golden file that is written over, and why that is not known."""
     from rigsim.errors import OutputError
     from rigsim.interop.files.golden import read_one
     from rigsim.study.golden.compare import COMMAND, GoldenComparison, compare
 
     try:
         old = read_one(place, record.about[COMMAND])
-    except OutputError:  # edited or cut off: what is there says nothing
-        return GoldenComparison(())
-    return compare([_named(old, record)], [record], looser=looser)
+    except OutputError as error:  # edited or cut off: what is there says nothing
+        what, _, _ = str(error).rpartition("; ")  # without the way out, which was taken
+        return GoldenComparison(()), (f"{what}; it was written over, and what moved is not known",)
+    return compare([_named(old, record)], [record], looser=looser), ()
 
 
 def _named(old: Record, record: Record) -> Record:

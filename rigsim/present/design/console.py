@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rigsim.present.design.tolerance import held_by, limit_says, tolerance_says
-from rigsim.present.design.words import badge, noise, outcome
+from rigsim.present.design.words import badge, more_in_pictures, noise, outcome
 from rigsim.present.kit.console import make_console, print_table
 from rigsim.present.kit.format import MISSING, number, plain
 from rigsim.study.design import words as words
@@ -52,6 +52,7 @@ def sentences(design: Design, proofs: Sequence[Proof]) -> tuple[str, ...]:
         said.append(f"{how[:1].upper()}{how[1:]}." if proof.candidate == pick else f"{rig}: {how}.")
     spec = design.specification
     own = next((p for p in proofs if p.candidate == pick), None)
+    said += filter(None, [more_in_pictures(own.checks, spec.noise_px) if own is not None else ""])
     if own is not None and own.method == "corners" and spec.noise_source != "measured":
         said.append(
             "The measured points are corners of calibration boards, which are located most exactly; errors "

@@ -22,7 +22,7 @@ from rigsim.present.tolerance.words import (
 from rigsim.study.tolerance import columns as col
 from rigsim.study.tolerance.built import percentile_mm
 from rigsim.study.tolerance.run import ToleranceResult
-from rigsim.study.tolerance.sensitivities import QUANTITIES, UNITS
+from rigsim.study.tolerance.sensitivities import QUANTITIES, UNITS, Sensitivity
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -128,6 +128,7 @@ def quantity_heads(result: ToleranceResult) -> tuple[str, ...]:
         _head(col.DIFFERING),
         _head(col.VARIANCE_SHARE),
         _head(col.NEEDED_ALONE),
+        *(["held\nby"] if _has_rows(result) else []),
         _head(col.NEEDED_EQUAL_SHARE),
         _head(col.UNIT),
     )
@@ -144,6 +145,7 @@ def quantity_rows(result: ToleranceResult) -> list[tuple[str, ...]]:
             number(item.differing_mm),
             percent(item.share) if item.share > 1e-12 else "0",
             _tolerance(result, item.key, item.needed_alone),
+            *([_held_by(item)] if _has_rows(result) else []),
             _tolerance(result, item.key, item.needed_equal_share),
             UNITS[item.key],
         )
@@ -153,7 +155,20 @@ def quantity_rows(result: ToleranceResult) -> list[tuple[str, ...]]:
 
 def quantity_numeric(result: ToleranceResult) -> tuple[bool, ...]:
     """Which of the ranked table's columns stand right."""
-    return (False, *[True] * (6 + len(result.depths)), False)
+    before = [True] * (5 + len(result.depths))
+    return (False, *before, *([False] if _has_rows(result) else []), True, False)
+
+
+def _has_rows(result: ToleranceResult) -> bool:
+    """Whether the rows are held to a bound beside the depth."""
+    return result.required.row_px is not None
+
+
+def _held_by(item: Sensitivity) -> str:
+    """Which of the two bounds the tolerance needed alone keeps."""
+    if not 0 < item.needed_alone < math.inf:
+        return ""
+    return "rows" if item.is_held_by_rows else "depth"
 
 
 def row_heads(result: ToleranceResult) -> tuple[str, str]:

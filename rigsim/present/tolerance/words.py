@@ -11,7 +11,7 @@ from rigsim.present.kit.motion import moves
 from rigsim.rig.arrays import Mask
 from rigsim.rig.digits import short
 from rigsim.rig.motion import Motion
-from rigsim.study.tolerance.inputs import QUANTITIES
+from rigsim.study.tolerance.inputs import QUANTITIES, UNITS
 from rigsim.study.tolerance.run import ToleranceResult
 
 
@@ -106,9 +106,24 @@ def rows_sentence(result: ToleranceResult) -> str:
     kept = [_percent(rows <= limit_px) for rows in found if rows is not None]
     after = f", {kept[1]} after recalibration" if len(kept) > 1 else ""
     return (
-        f"{says}. {kept[0]} of the rigs keep {limit_px:g} px at every distance as built{after}; a good rig"
-        " keeps it as well as its depth error."
+        f"{says}.{_breaks_rows_first(result)} {kept[0]} of the rigs keep {limit_px:g} px at every distance"
+        f" as built{after}; a good rig keeps it as well as its depth error."
     )
+
+
+def _breaks_rows_first(result: ToleranceResult) -> str:
+    """Which quantity takes the rows over their bound with the least part of its tolerance, and which next."""
+    found = [item for item in result.sensitivities if 0 < item.needed_for_rows < math.inf]
+    found.sort(key=lambda item: item.needed_for_rows / item.tolerance)
+    if not found:
+        return ""
+    named = [
+        f"{QUANTITIES[item.key]} (over {'±' * result.tolerances.is_bound(item.key)}"
+        f"{f'{short(item.needed_for_rows)} {UNITS[item.key]}'.rstrip()}, the class has "
+        f"{short(item.tolerance)})"
+        for item in found[:2]
+    ]
+    return f" What breaks them first, alone, is {', then '.join(named)}."
 
 
 def recalibration_sentence(result: ToleranceResult) -> str:

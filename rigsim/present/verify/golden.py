@@ -23,7 +23,7 @@ def print_golden(report: GoldenReport, *, console: Console | None = None) -> Non
     console = console or make_console()
     comparison = report.comparison
     for trouble in report.troubles:
-        paragraph(console, f"Unreadable: {trouble}.")
+        paragraph(console, f"{'Note' if report.written else 'Unreadable'}: {trouble}.")
     for remark in comparison.remarks:
         paragraph(console, f"Note: {remark}.")
     paragraph(console, f"Golden results of {report.folder}: {_counts(report)}.", style="bold")

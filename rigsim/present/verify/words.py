@@ -13,7 +13,7 @@ from rigsim.study.verify.geometries import Geometry
 from rigsim.study.verify.result import CaseResult, Check, Diagnosis, TriangulatorResult
 
 MEANS = {
-    "answered": "rows with a point came back as none",
+    "answered": "rows with a point that came back as none, or behind a camera",
     "nowhere": "points where there are none",
     "exact": "worst distance to the true point",
     "size": "pixel error over what the noise must cause",
@@ -68,13 +68,22 @@ def found(check: Check, of: int = 0) -> str:
     match check.name:
         case "answered" | "nowhere":
             text = f"{check.value:.0f} of {of} rows" if of else text
-            return f"{'no' if check.name == 'answered' else 'a'} point in {text}"
+            return f"{_point(check)} in {text}"
         case "exact":
             return f"{text} off"
         case "size" | "depth" | "efficient":
             return f"{text} × expected"
         case _:
             return text
+
+
+def _point(check: Check) -> str:
+    """What came back of rows without an answer, or where none was to come back."""
+    if check.name == "nowhere":
+        return "a point"
+    if not check.n_behind:
+        return "no point"
+    return "point behind" if check.n_behind == check.value else "none or behind"
 
 
 def allowed(check: Check) -> str:

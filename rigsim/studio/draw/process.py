@@ -78,6 +78,18 @@ class RenderProcess:
         child = self._child
         return None if child is None else child.pid
 
+    @property
+    def waiting(self) -> tuple[str, ...]:
+        """Keys whose newest request has not been begun."""
+        with self._changed:
+            return tuple(self._waiting)
+
+    @property
+    def drawing(self) -> str | None:
+        """The key whose picture is being drawn."""
+        current = self._current
+        return None if current is None else current.key
+
     async def draw(self, key: str, request: PairRequest) -> Drawn:
         """The pair; why there is none; or None where a newer request of the same key took its place.
 

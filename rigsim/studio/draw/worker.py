@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 import traceback
 from collections import OrderedDict
+from dataclasses import replace
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING
 
@@ -49,7 +50,13 @@ class Painter:
             connection: where a message means that nobody waits for the picture being drawn.
         """
         self._open: OrderedDict[str, Simulator] = OrderedDict()
+        self._last: dict[bool, tuple[PairRequest, Glance]] = {}  # the last coarse and the last full one
         self._connection = connection
+
+    @property
+    def scenes(self) -> tuple[str, ...]:
+        """The scenes that are open, the last one drawn last."""
+        return tuple(self._open)
 
     def answer(self, request: PairRequest) -> Pair | Failed | None:
         """The pair, or why there is none; None where it was stopped."""
@@ -70,12 +77,9 @@ class Painter:
 
     def _pair(self, request: PairRequest) -> Pair:
         from rigsim.present.kit.pictures import encode
-        from rigsim.study.glance import Glimpse, glance
 
         begun = time.perf_counter()
-        simulator = self._simulator(request.scene)
-        asked = Glimpse(request.rig, request.size, request.coarse, request.noise_px, request.built)
-        seen = glance(simulator, asked, self._may_stop)
+        seen = self._seen(request)
         image, legend = _overlay(request, seen)
         height, width = seen.depth_m.shape
         return Pair(
@@ -92,6 +96,18 @@ class Painter:
             seconds=time.perf_counter() - begun,
             remarks=tuple(remark.text for remark in seen.remarks),
         )
+
+    def _seen(self, request: PairRequest) -> Glance:
+        """What the pair shows; another overlay on the last one costs no new pictures."""
+        from rigsim.study.glance import Glimpse, glance
+
+        plain = replace(request, overlay="none")
+        last = self._last.get(request.coarse)
+        if last is None or last[0] != plain:
+            simulator = self._simulator(request.scene)
+            asked = Glimpse(request.rig, request.size, request.coarse, request.noise_px, request.built)
+            last = self._last[request.coarse] = (plain, glance(simulator, asked, self._may_stop))
+        return last[1]
 
     def _simulator(self, scene: str) -> Simulator:
         from rigsim.sim.simulator import Simulator

@@ -40,10 +40,11 @@ def proof_wanted(found: RigNumbers, scene: str) -> ProofRequest | None:
 
 def lines(proved: ProvedRig) -> tuple[ProofLine, ...]:
     """The bins of depth, near to far, and all points."""
-    return tuple(_line(row) for row in (*proved.bins, proved.whole))
+    return tuple(line_of(row) for row in (*proved.bins, proved.whole))
 
 
-def _line(row: ProofRow) -> ProofLine:
+def line_of(row: ProofRow) -> ProofLine:
+    """One row as people read it."""
     where = "all points"
     if row.near_mm is not None and row.far_mm is not None:
         where = f"{length_mm(row.near_mm)} to {length_mm(row.far_mm)}"

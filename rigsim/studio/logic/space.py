@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from rigsim.present.kit.format import number
+from rigsim.present.kit.format import number, with_error
 from rigsim.present.live.space import CameraShape, PointShapes, camera_shapes, point_shapes
 from rigsim.rig.arrays import Array
 from rigsim.studio.logic.numbers import RigNumbers
@@ -59,7 +59,7 @@ def told(seen: Cloud, index: int) -> Mapping[str, tuple[str, str]]:
     point, std = seen.points_left[index] * 1e3, seen.std_mm[index]
     left, right = seen.uv_left[index], seen.uv_right[index]
     axes = {
-        f"{name} ± std": (f"{number(float(value), 5)} ± {number(float(error))}", "mm")
+        f"{name} ± std": (with_error(float(value), float(error)), "mm")
         for name, value, error in zip("XYZ", point, std, strict=True)
     }
     pixels = {

@@ -17,7 +17,7 @@ from rigsim.rig.quantity import (
     SENSOR_WIDTH,
     QuantityKind,
 )
-from rigsim.studio.kit.beside import beside
+from rigsim.studio.kit.apart import apart
 from rigsim.studio.kit.clipboard import copy
 from rigsim.studio.kit.controls import action, choice, text_box
 from rigsim.studio.kit.numbers import notes
@@ -219,7 +219,7 @@ class DesignShown:
         try:
             while self._found.design is not None and not (self._is_current and self._is_whole):
                 do = advice.advise if self._is_current else advice.first_pick
-                made = await beside(do, advice.asked(self._session.state))
+                made = await apart(do, advice.asked(self._session.state))
                 if made is None:
                     return
                 self._advice = made
@@ -333,7 +333,7 @@ class DesignShown:
 
     async def _report(self) -> None:
         ui.notify("The report is being made: some seconds")
-        page = await beside(advice.report, advice.asked(self._session.state))
+        page = await apart(advice.report, advice.asked(self._session.state))
         if page is not None:
             ui.download.content(page, "design.html")
 

@@ -34,6 +34,7 @@ _WINDOW = 1.25  # points within this factor of the distance
 _REACH = 2.0  # farther off than this factor, points say nothing about the distance
 _PLANE_SAMPLES = 1 << 16
 _SIGMAS = 2.0  # standard errors that a measurement may miss by
+_MORE_SIGMAS = 3.0  # by so many it is more than was simulated: no more than once in 700 by chance
 # standard error of an RMS and of a 95th percentile of |e|, over themselves, times sqrt(n); e normal
 _RMS_SE, _P95_SE = 1 / math.sqrt(2), 0.951
 
@@ -105,10 +106,19 @@ class RequirementCheck:
     @property
     def is_missed_by_pixels(self) -> bool:
         """Whether the measured error is too large by more than two of its standard errors."""
-        if not self.n_measured or math.isnan(self.measured):
+        return self._is_measured_over(self.requirement.limit, _SIGMAS)
+
+    @property
+    def is_more_in_pixels(self) -> bool:
+        """Whether the measured error is more than the simulated one by more than chance, kept or not: what
+        is found in the pictures is noisier than what was assumed."""
+        return self._is_measured_over(self.simulated, _MORE_SIGMAS)
+
+    def _is_measured_over(self, value: float, sigmas: float) -> bool:
+        if not self.n_measured or math.isnan(self.measured) or math.isnan(value):
             return False
         relative_se = (_RMS_SE if self.requirement.per_std == 1 else _P95_SE) / math.sqrt(self.n_measured)
-        return self.measured > self.requirement.limit * (1 + _SIGMAS * relative_se)
+        return self.measured > value * (1 + sigmas * relative_se)
 
 
 def check(asked: Requirement, sight: RigInScene, rng: np.random.Generator) -> RequirementCheck:

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from statistics import NormalDist
 from typing import Literal, TypeAlias, get_args
 
+from rigsim.study.golden.drawn import DrawnAnew, drawn_anew
+
 GoldenVerdict: TypeAlias = Literal["same", "within tolerance", "within noise", "moved", "new", "gone"]
 VERDICTS: tuple[GoldenVerdict, ...] = get_args(GoldenVerdict)
 """What may have become of a golden number."""
@@ -156,6 +158,7 @@ def compare(
             remarks.append(f"{record.name}: colours not compared, there is no GL renderer here")
             old_numbers = tuple(number for number in old_numbers if number.unit != COLOUR)
         allowance = _Allowance(old, record, looser)
+        remarks += [f"{record.name}: {said}" for said in _drawn_said(allowance.anew)]
         found = tuple(_moves(record.name, old_numbers, record.numbers, allowance))
         moves.extend(found)
         asked = [one.about.get(ASKED, "") for one in (old, record)]
@@ -192,14 +195,39 @@ class _Allowance:
         # the same versions, seed and rig make the same noise: then there is only rounding to allow for
         self.again = self.same_draw and parts(old, True) == parts(new, True)
         self.looser = looser
+        before, now = ({one.name: one.value for one in record.numbers} for record in (old, new))
+        same_command = old.about.get(COMMAND) == new.about.get(COMMAND)
+        command = new.about.get(COMMAND, "") if same_command else ""
+        self.anew = drawn_anew(command, before, now) if self.same_draw else DrawnAnew()
         n = sum(number.standard_error > 0 for number in new.numbers)
         self.sigmas = max(NOISE_SIGMAS, -NormalDist().inv_cdf(FALSE_ALARM / 2 / max(n, 1)))
 
     def noise(self, then: Number, now: Number) -> float:
         """What noise excuses."""
-        if self.again or (now.drawn_only and self.same_draw):
+        if self.is_again(now.name) or (now.drawn_only and self.has_same_points(now.name)):
             return 0.0
         return self.sigmas * math.hypot(then.standard_error, now.standard_error)
+
+    def is_again(self, name: str) -> bool:
+        """Whether that number was made of the very same noise."""
+        return self.again and not self.anew.has_other_noise(name)
+
+    def has_same_points(self, name: str) -> bool:
+        """Whether that number was made of the same points."""
+        return self.same_draw and not self.anew.has_other_points(name)
+
+
+def _drawn_said(found: DrawnAnew) -> Iterator[str]:
+    """What was drawn anew though the seed is the same, a clause each."""
+
+    def of_table(rows: frozenset[str]) -> int:
+        return sum(row.startswith("rows") for row in rows)
+
+    for rows, what in ((found.noise - found.points, "noise"), (found.points, "rig")):
+        if rows:
+            n, every = of_table(rows), of_table(found.rows)
+            of = f" in {n} of {every} rows" if n < every else ""
+            yield f"another {what}{of} draws other noise, so what is simulated is held to the noise of both"
 
 
 def _has_colours(record: Record) -> bool:
@@ -223,7 +251,7 @@ def _move(name: str, then: Number, now: Number, allowance: _Allowance) -> Move:
     if isinstance(before, str) or isinstance(value, str):
         word: GoldenVerdict = "same" if before == value else "moved"
         # a word that rests on noise says nothing where other noise was drawn
-        if word == "moved" and now.drawn_only and not allowance.again:
+        if word == "moved" and now.drawn_only and not allowance.is_again(now.name):
             word = "within noise"
         return Move(name, then.name, then.unit, before, value, math.nan, word)
     noise = allowance.noise(then, now)
@@ -236,7 +264,7 @@ def _move(name: str, then: Number, now: Number, allowance: _Allowance) -> Move:
     elif math.isnan(value) != math.isnan(before):
         # whether a bin of depth holds enough of other points to say anything is noise as well
         is_drawn = now.drawn_only or max(then.standard_error, now.standard_error) > 0
-        verdict = "within noise" if is_drawn and not allowance.same_draw else "moved"
+        verdict = "within noise" if is_drawn and not allowance.has_same_points(now.name) else "moved"
     elif abs(value - before) <= bound:
         verdict = "within noise" if noise else "within tolerance"
     return Move(name, then.name, then.unit, before, value, bound, verdict)

@@ -13,7 +13,12 @@ from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance.batch import PARAMETERS
 from rigsim.study.tolerance.classes import CLASSES, ToleranceClass
-from rigsim.study.tolerance.first_order.needed import HeldTo, needed_alone, needed_at_equal_shares
+from rigsim.study.tolerance.first_order.needed import (
+    HeldTo,
+    needed_alone,
+    needed_at_equal_shares,
+    needed_for_rows,
+)
 from rigsim.study.tolerance.inputs import (
     DISTRIBUTIONS,
     QUANTITIES,
@@ -79,6 +84,13 @@ class Sensitivity:
     without effect, 0 where noise alone is too much."""
     needed_equal_share: float
     """The same when every quantity that matters takes an equal share of the variance, all of them at once."""
+    needed_for_rows: float = math.inf
+    """What the bound on rows alone would ask for; infinite without one or without effect."""
+
+    @property
+    def is_held_by_rows(self) -> bool:
+        """Whether the bound on rows is what `needed_alone` keeps, and not the depth error."""
+        return 0 < self.needed_alone == self.needed_for_rows < math.inf
 
 
 def sensitivities(
@@ -104,6 +116,7 @@ def sensitivities(
     held = HeldTo(judged, off.even, judge, tuple(rows.values()))
     alone = needed_alone(held) * off.values
     together = needed_at_equal_shares(held) * off.values
+    for_rows = needed_for_rows(held) * off.values
     found = [
         Sensitivity(
             key=key,
@@ -116,6 +129,7 @@ def sensitivities(
             row_largest_px=float(largest[i]),
             needed_alone=float(alone[i]),
             needed_equal_share=float(together[i]),
+            needed_for_rows=float(for_rows[i]),
         )
         for i, key in enumerate(off.keys)
     ]

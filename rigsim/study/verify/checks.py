@@ -71,7 +71,7 @@ def judge(case: Case, found_left: Array, false_alarm: float) -> Judgement:
         checks.append(_nowhere(case, found_left, ~asked))
     if len(truth) == 0:
         return Judgement(tuple(checks), math.nan, math.nan, math.nan)
-    checks.append(_answered(case, truth, answered, false_alarm))
+    checks.append(_answered(case, truth, found, answered, false_alarm))
     truth, found, error_px, gain = truth[answered], found[answered], error_px[answered], gain[answered]
     depth_rms_m = rms(found[:, 2] - truth[:, 2])
     if case.covariance_px2 is None:
@@ -125,16 +125,19 @@ def _nowhere(case: Case, found_left: Array, rows: Mask) -> Check:
     )
 
 
-def _answered(case: Case, truth: Array, answered: Mask, false_alarm: float) -> Check:
+def _answered(case: Case, truth: Array, found: Array, answered: Mask, false_alarm: float) -> Check:
     """Rows with an answer that came back as none, against how many the noise pushes behind a camera."""
     high = 0.0
+    lost = found[~answered]
+    lost = lost[np.isfinite(lost).all(axis=1)]
+    n_behind = int(((lost[:, 2] <= 0) | (case.rig.right_from_left.apply(lost)[:, 2] <= 0)).sum())
     why = saying("answered")
     if case.kind == "noisy" and case.covariance_px2 is not None:
         sigma_px = math.sqrt(float(np.ravel(case.covariance_px2)[0]))
         expected = float(stats.norm.sf(depth_reach(case.rig, truth, sigma_px)).sum())
         high = float(stats.poisson.isf(false_alarm, FIRST_ORDER * expected)) if expected > 0 else 0.0
         why = saying("answered: noisy", expected=expected)
-    return Check("answered", float((~answered).sum()), 0.0, high, "rows", why)
+    return Check("answered", float((~answered).sum()), 0.0, high, "rows", why, n_behind=n_behind)
 
 
 def _exact(case: Case, truth: Array, found: Array, gain: Array) -> Check:

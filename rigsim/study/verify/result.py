@@ -37,6 +37,8 @@ class Check:
     """Where the bounds come from, and what the value means."""
     only_strict: bool = False
     """Whether leaving the interval is a matter of efficiency alone."""
+    n_behind: int = 0
+    """Of the rows without an answer, those that came back as a point behind a camera."""
 
     @property
     def ok(self) -> bool:

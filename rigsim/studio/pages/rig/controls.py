@@ -14,7 +14,7 @@ from rigsim.studio.kit.latest import Latest
 from rigsim.studio.kit.session import Session
 from rigsim.studio.logic import lenses, scenes
 from rigsim.studio.logic.numbers import RigNumbers
-from rigsim.studio.pages.rig.sliders import Knob, knob, range_knob
+from rigsim.studio.pages.rig.sliders import Knob, Standing, knob, range_knob
 from rigsim.studio.state import State
 
 MOST_BYTES = 10_000_000
@@ -111,8 +111,7 @@ def _fault(said: ui.html, text: str) -> None:
     said.set_content(f'<div class="rig-fault" role="alert" data-testid="upload-fault">{escape(text)}</div>')
 
 
-def _lens(session: Session, standing: object) -> None:
-    assert callable(standing)
+def _lens(session: Session, standing: Standing) -> None:
     kinds = {"hfov": "field of view", "focal": "focal length"}
     toggle = ui.toggle(kinds, value="focal" if session.state["focal"] else "hfov")
     toggle.props('dense no-caps unelevated aria-label="Lens by"').classes("rig-toggle")
@@ -128,14 +127,13 @@ def _lens(session: Session, standing: object) -> None:
     session.when_restored(follow)
 
 
-def _size(session: Session, standing: object) -> None:
-    assert callable(standing)
+def _size(session: Session, standing: Standing) -> None:
     with ui.element("div").classes("rig-fields"):
         box = text_box(session, "resolution", "Resolution", placeholder="1280x720")
         select = ui.select(list(lenses.SIZES), label="Usual sizes, px").props("dense outlined options-dense")
 
     def current() -> str:
-        return session.state["resolution"] or str(standing()["resolution"])
+        return session.state["resolution"] or standing()["resolution"]
 
     def chosen(size: str | None) -> None:
         if size and size != current():

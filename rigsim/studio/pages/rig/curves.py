@@ -14,7 +14,7 @@ from rigsim.studio.logic.numbers import RigNumbers
 def curves(session: Session, numbers: Latest[RigNumbers]) -> None:
     """Place the chart; how its axes run is no part of the state, as it changes no number."""
     with ui.element("section").classes("rig-panel w-full").props('aria-label="Curves"'):
-        with ui.element("div").classes("rig-headline"):
+        with ui.element("div").classes("rig-titled"):
             ui.html("<h2>Depth error and overlap over the working range</h2>", sanitize=False)
             scale = ui.toggle({False: "linear", True: "logarithmic"}, value=False)
             scale.props('dense no-caps unelevated aria-label="Axes"').classes("rig-toggle")

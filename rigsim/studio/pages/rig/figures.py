@@ -50,7 +50,7 @@ def figures(session: Session, numbers: Latest[RigNumbers]) -> None:
     """Large numbers, the requirement's badge, and the table by distance."""
     said = ui.html("", sanitize=False).classes("w-full rig-notes").props('aria-live="polite"')
     with ui.element("section").classes("rig-panel w-full").props('aria-label="Numbers"'):
-        with ui.element("div").classes("rig-headline"):
+        with ui.element("div").classes("rig-titled"):
             title = ui.html("", sanitize=False)
             badge = ui.html("", sanitize=False).props('aria-live="polite"')
         with ui.element("div").classes("rig-numbers"):

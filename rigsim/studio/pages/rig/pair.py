@@ -43,7 +43,7 @@ class PairView:
 
     def _place(self) -> None:
         with ui.element("section").classes("rig-panel w-full").props('aria-label="Rendered pair"'):
-            with ui.element("div").classes("rig-headline"):
+            with ui.element("div").classes("rig-titled"):
                 ui.html("<h2>What the cameras see</h2>", sanitize=False)
                 select = ui.select(dict(OVERLAYS), label="Overlay", value="none").classes("rig-overlay")
                 select.props("dense outlined options-dense").on_value_change(
@@ -54,7 +54,7 @@ class PairView:
                 self._left = self._picture("Left", "var(--rig-left)")
                 self._right = self._picture("Right", "var(--rig-right)")
             self._left.on("mouse", self._look, throttle=_MOUSE_S)
-            with ui.element("div").classes("rig-headline").style("margin:8px 0 0"):
+            with ui.element("div").classes("rig-titled").style("margin:8px 0 0"):
                 self._under = ui.label("Point at the left picture for depth, disparity and std.")
                 self._under.classes("rig-soft").props("data-testid=pixel")
                 self._legend = ui.html("", sanitize=False)

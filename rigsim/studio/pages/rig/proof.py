@@ -31,7 +31,7 @@ class ProofView:
         self._gone = False
         ui.context.client.on_delete(self._leave)
         with ui.element("section").classes("rig-panel w-full").props('aria-label="Proof"'):
-            with ui.element("div").classes("rig-headline"):
+            with ui.element("div").classes("rig-titled"):
                 ui.html("<h2>Predicted, simulated, measured</h2>", sanitize=False)
                 with ui.element("div").classes("rig-buttons"):
                     self._button = action("Prove it", self.prove, icon="science", flat=False)
@@ -131,7 +131,7 @@ def _table(proved: ProvedRig, *, stale: bool) -> str:
         f"Depth error, root mean square, in scene {escape(proved.scene)}; measured by {escape(proved.method)}"
     )
     return (
-        f"<table class='rig-table{' rig-stale' if stale else ''}' style='margin-top:10px'>"
+        f"<table class='rig-table rig-proof{' rig-stale' if stale else ''}' style='margin-top:10px'>"
         f"<caption>{says}</caption><thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table>"
     )
 

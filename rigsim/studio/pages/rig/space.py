@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from html import escape
 from typing import Any
 
@@ -19,6 +20,8 @@ from rigsim.studio.logic.space import Space, cameras_of, space_of, told
 
 _GROUND, _FLOOR = "#1b1f24", "#4a525c"
 _LOOKS = ("#56b4e9", "#f28e4b")
+_IDLE_FPS, _LIVELY_FPS = 4, 24
+"""Pictures a second while nobody turns it, and while somebody does: without a graphics card each is work."""
 _DOT, _WIDEST = 0.07, 6.0
 _EXAGGERATED = 10
 """Times that ellipsoids are drawn larger at first: true ones are mostly too small to be seen."""
@@ -37,6 +40,13 @@ class SpaceView:
             on_click=self._clicked,
             camera=ui.scene.perspective_camera(fov=50),
         )
+        self._scene.props["fps"] = _IDLE_FPS
+        for event, fps in (
+            ("mouseenter", _LIVELY_FPS),
+            ("touchstart", _LIVELY_FPS),
+            ("mouseleave", _IDLE_FPS),
+        ):
+            self._scene.on(event, partial(self._hurry, fps), args=[])
         self._scene.classes("rig-space").props('data-testid=space aria-label="The scene in space"')
         self._scene.move_camera(7.0, -6.2, 5.6, 0.9, 5.2, 0.1, duration=0)
         self._cameras: list[tuple[Any, CameraShape] | None] = [None, None]
@@ -45,6 +55,9 @@ class SpaceView:
         self._floor: list[Any] = []
         self._floor_of = 0.0
         self._space: Space | None = None
+
+    def _hurry(self, fps: int) -> None:
+        self._scene.props["fps"] = fps
 
     def place_cameras(self, far_m: float, cameras: tuple[CameraShape, CameraShape]) -> None:
         """Put the cameras where they stand."""
@@ -68,7 +81,7 @@ class SpaceView:
         with self._scene:
             while len(self._dots) < len(shapes.at):
                 name = f"point-{len(self._dots)}"
-                self._balls.append(self._scene.sphere(1.0, 16, 10).with_name(name))
+                self._balls.append(self._scene.sphere(1.0, 14, 8).with_name(name))
                 self._dots.append(self._scene.sphere(_DOT, 8, 6).with_name(name))
         for place, (dot, ball) in enumerate(zip(self._dots, self._balls, strict=True)):
             there = place < len(shapes.at)
@@ -124,12 +137,12 @@ class SpaceView:
 def space(session: Session, numbers: Latest[RigNumbers]) -> Callable[[Array | None], None]:
     """Place the scene; the function takes the points that were seen in the pictures."""
     with ui.element("section").classes("rig-panel w-full").props('aria-label="In space"'):
-        with ui.element("div").classes("rig-headline"):
+        with ui.element("div").classes("rig-titled"):
             ui.html("<h2>In space</h2>", sanitize=False)
             legend = ui.html("", sanitize=False)
         view = SpaceView(lambda index: pick(index))
         with ui.element("div").classes("rig-exaggerate"):
-            said = ui.label(f"Error ellipsoids drawn {_EXAGGERATED} times as large")
+            said = ui.label(_says(_EXAGGERATED))
             slider = ui.slider(min=0, max=2, step=0.05, value=np.log10(_EXAGGERATED)).props("dense")
             slider.props('aria-label="Error ellipsoids, times as large"')
         ui.label(_HELP).classes("rig-soft")
@@ -142,7 +155,7 @@ def space(session: Session, numbers: Latest[RigNumbers]) -> Callable[[Array | No
         return float(10 ** float(slider.value or 0.0))
 
     def enlarge() -> None:
-        said.set_text(f"Error ellipsoids drawn {times():.2g} times as large")
+        said.set_text(_says(times()))
         view.exaggerate(times())
 
     def pick(index: int) -> None:
@@ -176,10 +189,14 @@ def space(session: Session, numbers: Latest[RigNumbers]) -> Callable[[Array | No
     return take
 
 
+def _says(times: float) -> str:
+    return f"Error ellipsoids (1 std), {times:.2g} ×"
+
+
 def _told(seen: Space, index: int) -> str:
     cells = "".join(
         f"<div class='rig-number small'><span class=name>{escape(name)}</span>"
         f"<span class=value>{escape(value)}<span class=unit>{escape(unit)}</span></span></div>"
         for name, (value, unit) in told(seen.cloud, index).items()
     )
-    return f"<div class=rig-numbers style='margin-top:10px'>{cells}</div>"
+    return f"<div class='rig-numbers rig-picked'>{cells}</div>"

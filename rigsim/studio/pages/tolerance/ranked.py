@@ -9,7 +9,7 @@ from nicegui import ui
 
 from rigsim.present.kit.format import percent, plain
 from rigsim.present.live.built import ranked_bars
-from rigsim.studio.kit.beside import beside
+from rigsim.studio.kit.apart import apart
 from rigsim.studio.kit.controls import action
 from rigsim.studio.kit.numbers import notes, scrolling
 from rigsim.studio.kit.session import Session
@@ -64,7 +64,7 @@ class Ranked:
         try:
             while not (self._is_current and self._is_whole):
                 words, whole = ranking.asked(self._session.state), self._is_current
-                made = await beside(ranking.rank, words, whole)
+                made = await apart(ranking.rank, words, whole)
                 if made is None:
                     return
                 self._ranking = made

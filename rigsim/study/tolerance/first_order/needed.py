@@ -60,15 +60,24 @@ def needed_alone(held: HeldTo) -> Array:
 
     Infinite where the quantity does nothing; 0 where noise alone is too much.
     """
-    # 95 of 100 deviations are smaller than this, in standard deviations
-    reach = np.where(held.even, GOOD * math.sqrt(3), ndtri((1 + GOOD) / 2))
-    found = np.full(held.errors.shape[1], np.inf)
-    by_rows = held.that_move_rows
-    found[by_rows] = held.row_limit_px / (held.row_rms * reach)[by_rows] if held.noise_allows else 0.0
+    reach, found = _reach(held), needed_for_rows(held)
     for k in _that_matter(held.errors):
         ends = np.stack([held.errors[:, k], -held.errors[:, k]]) * reach[k]
         found[k] = min(found[k], _largest_factor(ends, held.judge, 1.0))
     return found
+
+
+def needed_for_rows(held: HeldTo) -> Array:
+    """The same factors (q,) for the bound on rows alone; infinite without one."""
+    found = np.full(held.errors.shape[1], np.inf)
+    by_rows = held.that_move_rows
+    found[by_rows] = held.row_limit_px / (held.row_rms * _reach(held))[by_rows] if held.noise_allows else 0.0
+    return found
+
+
+def _reach(held: HeldTo) -> Array:
+    """What 95 of 100 deviations (q,) are smaller than, in standard deviations."""
+    return np.where(held.even, GOOD * math.sqrt(3), ndtri((1 + GOOD) / 2))
 
 
 def needed_at_equal_shares(held: HeldTo) -> Array:
