@@ -39,7 +39,7 @@ def build(session: Session) -> None:
                 _sliders(session)
             with ui.element("div").classes("rig-stack rig-last"):
                 _asked(session)
-            with ui.element("div").classes("rig-stack rig-beside"):
+            with ui.element("div").classes("rig-stack rig-second"):
                 one.place()
                 pair.place()
                 ranked.place()
