@@ -136,9 +136,17 @@ def test_what_is_odd_names_its_rig(capsys: pytest.CaptureFixture[str]) -> None:
     words = ("--preset", "oak-d,d435", "--z", "0.1,1m", "--resolution", "640x400")
     said = [remark["text"] for remark in document(capsys, *words)["remarks"]]
     assert sum("does the camera have such a mode" in text for text in said) == 2
+    assert not [text for text in said if text.count("oak-d:") > 1 or text.count("d435:") > 1]
     assert any(
         text.startswith("oak-d: the right camera does not see the point at Z = 100 mm") for text in said
     )
+
+
+def test_a_claim_is_spoken_of_where_one_is_known(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ("--preset", "oak-d,zed-2i", "--z", "1m", "--resolution", "640x400")
+    said = [remark["text"] for remark in document(capsys, *words)["remarks"]]
+    modes = {text.split(":")[0]: text for text in said if "does the camera have such a mode" in text}
+    assert ["What its maker claims" in modes[name] for name in ("oak-d", "zed-2i")] == [True, False]
 
 
 @pytest.mark.parametrize(

@@ -87,7 +87,7 @@ def print_beside(rows: Sequence[At], noise_px: float, form: Form, golden: Golden
     """Print every rig at every distance, in the order given."""
     several = len({one.name for one in rows}) > 1
     remarks = [
-        replace(remark, text=f"{one.name}: {remark.text}") if several else remark
+        replace(remark, text=_named(one.name, remark.text)) if several else remark
         for one in rows
         for remark in one.remarks
     ]
@@ -183,6 +183,11 @@ def _claim_cells(one: At) -> tuple[str, str]:
     if not math.isclose(claim.at_mm or 0.0, one.depth_mm):
         says = f"Z² from {says}"
     return number(_claimed_mm(claim, one.depth_mm)), says
+
+
+def _named(name: str, text: str) -> str:
+    """A remark with the rig's name before it, once."""
+    return text if text.startswith(f"{name}: ") else f"{name}: {text}"
 
 
 def _shown(value: float | str) -> str:
