@@ -9,7 +9,7 @@ from nicegui import ui
 from rigsim.present.kit.format import number, plain
 from rigsim.present.live.built import error_map
 from rigsim.studio.kit.latest import Latest
-from rigsim.studio.kit.numbers import Number, facts_table, notes, scrolling
+from rigsim.studio.kit.numbers import ShownNumber, facts_table, notes, scrolling
 from rigsim.studio.logic.tolerance import built
 
 _NUMBERS = (
@@ -35,7 +35,7 @@ class OneRig:
             self._badge = ui.html("", sanitize=False).classes("w-full").style("margin-bottom:10px")
             with ui.element("div").classes("rig-numbers"):
                 self._numbers = [
-                    (key, Number(name, testid, small=place > 1))
+                    (key, ShownNumber(name, testid, small=place > 1))
                     for place, (name, testid, key) in enumerate(_NUMBERS)
                 ]
             self._table = scrolling("Errors at distances").style("margin-top:14px")
