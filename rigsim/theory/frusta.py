@@ -37,7 +37,7 @@ class Shared:
 def shared_view(rig: StereoRig, inverse_depth: float) -> Shared:
     """What both images show of the plane at Z = 1 / `inverse_depth` (1/m); at infinity when 0."""
     if rig.left.distortion is None and rig.right.distortion is None:
-        return _shared_whole(rig, inverse_depth)
+        return next(_shared_by_pinholes(rig, np.array([inverse_depth])))
     kept: list[Array] = []
     area = 0.0
     for uv, seen in _pieces(rig, inverse_depth):
@@ -57,15 +57,23 @@ def shared_view(rig: StereoRig, inverse_depth: float) -> Shared:
     return Shared(min(share, 1.0), corners) if share > 0 else Shared(0.0, np.empty((0, 2)))
 
 
-def _shared_whole(rig: StereoRig, inverse_depth: float) -> Shared:
-    """The same for two pinholes: the left image is one piece, and one cut is exact."""
+def shared_shares(rig: StereoRig, inverse_depths: Array) -> Array:
+    """The shares (N,) of the left image that the right one shows too, at 1 / `inverse_depths` (N,) 1/m."""
+    if rig.left.distortion is None and rig.right.distortion is None:
+        return np.array([shared.share for shared in _shared_by_pinholes(rig, inverse_depths)])
+    return np.array([shared_view(rig, float(inverse)).share for inverse in inverse_depths])
+
+
+def _shared_by_pinholes(rig: StereoRig, inverse_depths: Array) -> Iterator[Shared]:
+    """The left image is one piece, and one cut of it is exact."""
     camera = rig.left
     u, v = (-0.5, camera.width - 0.5), (-0.5, camera.height - 0.5)
     corners = np.array([(u[0], v[0]), (u[1], v[0]), (u[1], v[1]), (u[0], v[1])])
-    edges = _right_edges(rig.right, _seen_right(rig, corners, inverse_depth))
-    part = corners if bool((edges >= 0).all()) else _clip(np.hstack([corners, edges]))
-    share = float(_areas(part[None])[0]) / (camera.width * camera.height) if len(part) else 0.0
-    return Shared(min(share, 1.0), part) if share > 0 else Shared(0.0, np.empty((0, 2)))
+    image = float(camera.width * camera.height)
+    for edges in _right_edges(rig.right, _seen_right(rig, corners, inverse_depths[:, None, None])):
+        part = corners if bool((edges >= 0).all()) else _clip(np.hstack([corners, edges]))
+        share = _area(part.tolist()) / image
+        yield Shared(min(share, 1.0), part) if share > 0 else Shared(0.0, np.empty((0, 2)))
 
 
 def outline(camera: Intrinsics) -> Array:
@@ -150,7 +158,7 @@ def _pieces(rig: StereoRig, inverse_depth: float) -> Iterator[tuple[Array, Array
         triangles = _quartered(triangles[np.any(known, axis=1) & ~whole])
 
 
-def _seen_right(rig: StereoRig, uv_left: Array, inverse_depth: float) -> Array:
+def _seen_right(rig: StereoRig, uv_left: Array, inverse_depth: Array | float) -> Array:
     """Where the right lens sees the plane's points at left pixels (..., 2): homogeneous (..., 3), the last
     number the depth; NaN where a lens shows nothing."""
     rays = rig.left.normalize(uv_left)
@@ -198,6 +206,12 @@ def _areas(polygons: Array) -> Array:
     """Areas (N,) of polygons (N, K, 2)."""
     x, y = polygons[..., 0], polygons[..., 1]
     return np.asarray(np.abs((x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)) / 2)
+
+
+def _area(corners: list[list[float]]) -> float:
+    """Area of one polygon."""
+    ahead = corners[1:] + corners[:1]
+    return abs(sum(a[0] * b[1] - b[0] * a[1] for a, b in zip(corners, ahead, strict=True))) / 2
 
 
 def _quartered(triangles: Array) -> Array:

@@ -209,6 +209,7 @@ def test_a_path_is_taken_from_the_command_line_only() -> None:
 
 def test_the_page_begins_with_a_rig_and_keeps_what_an_address_says() -> None:
     assert begin(State({})) == DEFAULTS
+    assert begin(State({"scene": "bin"})) == DEFAULTS.with_words(scene="bin", preset="bin")
     held = State({"preset": "oak-d", "range": "1:3m"})
     assert begin(held) == held
     from_point = begin(State({"focal": "1200", "baseline": "150mm", "left": "980,500", "right": "910,500"}))

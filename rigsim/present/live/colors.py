@@ -16,7 +16,7 @@ _RGB = np.array([[int(stop[at : at + 2], 16) for at in (1, 3, 5)] for stop in _S
 _LOG_FROM = 8.0
 
 
-class Scale(NamedTuple):
+class ColorScale(NamedTuple):
     """What colours mean."""
 
     low: float
@@ -40,16 +40,16 @@ class Scale(NamedTuple):
         return math.sqrt(self.low * self.high) if self.log else (self.low + self.high) / 2
 
 
-def scale_for(values: Array) -> Scale | None:
+def scale_for(values: Array) -> ColorScale | None:
     """Colours for values; None where there is none that is finite."""
     known = values[np.isfinite(values)]
     if not len(known):
         return None
     low, high = float(known.min()), float(known.max())
-    return Scale(low, high, low > 0 and high >= _LOG_FROM * low)
+    return ColorScale(low, high, low > 0 and high >= _LOG_FROM * low)
 
 
-def colors(values: Array, scale: Scale) -> list[str]:
+def colors(values: Array, scale: ColorScale) -> list[str]:
     """Colours (N) as ``#rrggbb``; grey where there is no value."""
     found = []
     for share in scale.shares(values).tolist():
@@ -63,7 +63,7 @@ def colors(values: Array, scale: Scale) -> list[str]:
     return found
 
 
-def legend_html(scale: Scale | None, words: str, unit: str) -> str:
+def legend_html(scale: ColorScale | None, words: str, unit: str) -> str:
     """A strip of the colours with numbers under it; empty for no values."""
     if scale is None:
         return ""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rigsim.present.live.colors import Scale, colors, scale_for
+from rigsim.present.live.colors import ColorScale, colors, scale_for
 from rigsim.present.live.ink import round_step, ticks
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
@@ -49,7 +49,7 @@ class PointShapes:
     """Their rotations (N, 3, 3)."""
     colors: list[str]
     """Colour of each, by the standard deviation of its depth."""
-    scale: Scale | None
+    scale: ColorScale | None
     """What colours mean, mm."""
 
 

@@ -12,6 +12,7 @@ from rigsim.api.calc.requirement import Kept, keeps
 from rigsim.errors import RigsimError
 from rigsim.rig.remark import Remark
 from rigsim.studio.logic.distances import Distances, distances_of
+from rigsim.studio.logic.faults import plain
 from rigsim.studio.logic.rig import Shown, options_of, shown_rig
 from rigsim.studio.state import State
 from rigsim.study.calc.limits import limit_remarks
@@ -55,7 +56,7 @@ def numbers_of(state: State) -> RigNumbers:
         distances = distances_of(state)
         return _numbers(state, shown, distances)
     except RigsimError as error:
-        return RigNumbers(state, shown, distances, {}, {}, None, (), str(error))
+        return RigNumbers(state, shown, distances, {}, {}, None, (), plain(str(error)))
 
 
 def _numbers(state: State, shown: Shown, distances: Distances) -> RigNumbers:

@@ -159,7 +159,7 @@ class DesignShown:
         with (
             ui.element("div")
             .classes("rig-scroll rig-tall")
-            .props('tabindex=0 role=region aria-label="Trade-offs"'),
+            .props('tabindex=0 role=region aria-label="Table of trade-offs"'),
             ui.element("table").classes("rig-table"),
         ):
             with ui.element("thead"), ui.element("tr"):

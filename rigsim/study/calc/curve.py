@@ -9,12 +9,12 @@ import numpy as np
 from rigsim.rig.arrays import Array
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
-from rigsim.theory.limits import overlap_at_depth
+from rigsim.theory.frusta import shared_shares
 from rigsim.theory.uncertainty import depth_bounds, predict_depth_std
 
 POINTS = 81
 """Distances of the depth error's curve."""
-OVERLAP_POINTS = 17
+OVERLAP_POINTS = 33
 """Distances of the overlap's curve, which is slower."""
 
 
@@ -61,4 +61,4 @@ def depth_curve(
 def overlap_curve(rig: StereoRig, near_m: float, far_m: float) -> OverlapCurve:
     """The share of the left image that both see, from `near_m` to `far_m`."""
     z = np.geomspace(near_m, far_m, OVERLAP_POINTS)
-    return OverlapCurve(z, overlap_at_depth(rig, z).fraction)
+    return OverlapCurve(z, shared_shares(rig, 1 / z))

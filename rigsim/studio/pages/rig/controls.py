@@ -94,15 +94,18 @@ def _upload(session: Session) -> None:
         upload.reset()
 
     upload = ui.upload(
-        label="Load a calibration",
         auto_upload=True,
         max_file_size=MOST_BYTES,
         max_files=1,
         on_upload=taken,
         on_rejected=lambda: _fault(said, f"the file is not taken: at most {MOST_BYTES // 1_000_000} MB"),
     )
-    upload.props("flat bordered").classes("rig-upload w-full")
-    upload.tooltip("rig.toml, OpenCV, ROS, Kalibr, Middlebury, KITTI, ...: what --rig reads")
+    upload.style("display: none")
+    # the browser opens its dialogue for a hand's own click, so the click does not go to the server first
+    button = ui.button("Load a calibration", icon="upload_file").props("no-caps outline color=primary")
+    button.on("click", js_handler=f"() => getElement({upload.id}).pickFiles()")
+    button.classes("w-full").style("margin-top: 8px")
+    button.tooltip("rig.toml, OpenCV, ROS, Kalibr, Middlebury, KITTI, ...: what --rig reads")
 
 
 def _fault(said: ui.html, text: str) -> None:

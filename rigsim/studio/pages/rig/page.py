@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from nicegui import ui
 
+from rigsim.rig.presets import PRESETS
 from rigsim.studio.kit.latest import Latest
 from rigsim.studio.kit.session import Session
 from rigsim.studio.kit.shell import frame
@@ -29,7 +30,8 @@ def begin(state: State) -> State:
     words = dict(state.words)
     if not any(word in words for word in ("rig", "preset", "resolution")):
         if OF_RIG.isdisjoint(words):
-            words["preset"] = DEFAULTS["preset"]
+            scene = words.get("scene", "")
+            words["preset"] = scene if scene in PRESETS else DEFAULTS["preset"]
         else:
             words["resolution"] = lenses.UNSHOWN["resolution"]
     if "range" not in words:

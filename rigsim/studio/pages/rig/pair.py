@@ -61,10 +61,18 @@ class PairView:
 
     @staticmethod
     def _picture(name: str, color: str) -> ui.interactive_image:
+        testid = f"pair-{name.lower()}"
         with ui.element("figure").classes("rig-figure"):
             image = ui.interactive_image(_BLANK, events=["mousemove"], cross=name == "Left")
-            image.props(f'alt="{name} picture" data-testid=pair-{name.lower()}').classes("w-full")
-            ui.html(f"<figcaption style='color:{color}'>{name}</figcaption>", sanitize=False)
+            image.props(f"data-testid={testid}").classes("w-full")
+            dot = f"<span class=rig-dot style='background:{color}'></span>"
+            ui.html(f"<figcaption>{dot}{name}</figcaption>", sanitize=False)
+        # the picture inside has no alternative text of its own
+        says = f"img => img.alt = '{name} picture'"
+        image.on(
+            "loaded",
+            js_handler=f"() => document.querySelectorAll('[data-testid={testid}] img').forEach({says})",
+        )
         return image
 
     def moved(self) -> None:

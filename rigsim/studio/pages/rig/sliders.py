@@ -94,7 +94,7 @@ def knob(session: Session, what: Knob, standing: Standing) -> ui.element:
 
 
 def range_knob(session: Session, label: str, span: Span, standing: Standing) -> None:
-    """Place a box ``near:far`` with a slider of two handles below."""
+    """Place a box ``near:far`` with a slider for each end below."""
     word, kind = "range", quantity.DEPTH
 
     def fault(text: str) -> str | None:
@@ -116,26 +116,35 @@ def range_knob(session: Session, label: str, span: Span, standing: Standing) -> 
                 continue
         return span.low, span.high
 
-    def steps() -> dict[str, float]:
-        near, far = current()
-        return {"min": span.step(near), "max": span.step(far)}
+    def dragged(end: int, step: float) -> None:
+        ends = [*current()]
+        if step == span.step(ends[end]):
+            return
+        ends[end] = span.value(step)
+        if ends[0] < ends[1]:
+            box.set_value(f"{ends[0]:g}:{ends[1]:g}{span.unit}")
+        else:
+            follow()
+
+    def follow() -> None:
+        if box.value != session.state[word]:
+            box.set_value(session.state[word])
+        for slider, value in zip(sliders, current(), strict=True):
+            if slider.value != span.step(value):
+                slider.set_value(span.step(value))
 
     with ui.column().classes("rig-slider"):
         box = ui.input(label=label, value=session.state[word], validation=fault)
         box.on_value_change(lambda event: session.type(**{word: event.value or ""}))
         box.props('dense outlined autocomplete=off stack-label hint="near:far, with the unit"')
-        slider = ui.range(min=0, max=_STEPS, step=1, value=steps())
-        slider.props(f'aria-label="{label}, slider" dense')
-
-    def dragged(ends: Mapping[str, float]) -> None:
-        if dict(ends) != steps() and ends["min"] < ends["max"]:
-            box.set_value(f"{span.value(ends['min']):g}:{span.value(ends['max']):g}{span.unit}")
-
-    def follow() -> None:
-        if box.value != session.state[word]:
-            box.set_value(session.state[word])
-        if slider.value != steps():
-            slider.set_value(steps())
-
-    slider.on("update:model-value", lambda event: dragged(event.args), throttle=_THROTTLE_S)
+        sliders = []
+        for end, name in enumerate(("near end", "far end")):
+            slider = ui.slider(min=0, max=_STEPS, step=1, value=span.step(current()[end]))
+            slider.props(f'aria-label="{label}, {name}, slider" dense')
+            slider.on(
+                "update:model-value",
+                lambda event, end=end: dragged(end, float(event.args)),
+                throttle=_THROTTLE_S,
+            )
+            sliders.append(slider)
     session.watch(follow)

@@ -42,7 +42,7 @@ class RowsPair:
             self._said = ui.html("", sanitize=False).props('aria-live="polite"')
             with ui.element("div").classes("rig-pair"):
                 self._left = self._picture("Left", "var(--rig-left)")
-                self._right = self._picture("Right", "var(--rig-right)")
+                self._right = self._picture("Right", "var(--rig-right-text)")
             for image in (self._left, self._right):
                 image.on("mouse", self._look, throttle=_MOUSE_S)
             self._under = ui.label().classes("rig-soft").props("data-testid=rows-apart")
@@ -51,9 +51,9 @@ class RowsPair:
     def _picture(name: str, color: str) -> ui.interactive_image:
         with ui.element("figure").classes("rig-figure"):
             image = ui.interactive_image(_BLANK, events=["mousemove"])
-            image.props(f'alt="{name} picture of the built rig" data-testid=built-{name.lower()}').classes(
-                "w-full"
-            )
+            image.props(
+                f'data-alt="{name} picture of the built rig" data-testid=built-{name.lower()}'
+            ).classes("w-full")
             ui.html(f"<figcaption style='color:{color}'>{name}</figcaption>", sanitize=False)
         return image
 

@@ -31,7 +31,11 @@ class Ranked:
             self._title = ui.html("<h2>What matters most</h2>", sanitize=False)
             self._stale = ui.html("", sanitize=False).props('aria-live="polite"')
             self._yield = ui.html("", sanitize=False).classes("w-full")
-            self._bars = ui.echart({"series": []}, renderer="svg").classes("rig-graph").props('role="img"')
+            self._bars = (
+                ui.echart({"series": []}, renderer="svg")
+                .classes("rig-graph")
+                .props('role="img" aria-label="What each quantity does, ranked"')
+            )
             self._needed = scrolling("What each quantity may be")
             with ui.element("div").classes("rig-buttons").style("margin-top:12px") as self._actions:
                 action("tolerance.csv", self._download, icon="download")
