@@ -146,7 +146,7 @@ class DesignShown:
             ui.html("<h2>Feasible rigs</h2>", sanitize=False)
             self._size = choice(self._session, "region", "Image size shown", {"": "as recommended"})
         self._counted = ui.label().classes("rig-soft")
-        self._chart = ui.echart({"series": []}, renderer="svg").classes("rig-chart rig-region")
+        self._chart = ui.echart({"series": []}, renderer="svg").classes("rig-graph rig-region")
         self._chart.props('role="img"')
         self._chart.on("click", self._clicked, js_handler=_CLICKED.replace("CHART", str(self._chart.id)))
         ui.label(

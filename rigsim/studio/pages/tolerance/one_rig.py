@@ -41,7 +41,7 @@ class OneRig:
             self._table = scrolling("Errors at distances").style("margin-top:14px")
         with ui.element("section").classes("rig-panel w-full").props('aria-label="Error map"'):
             self._where = ui.html("<h2>Depth error over the left image</h2>", sanitize=False)
-            self._map = ui.echart({"series": []}).classes("rig-chart rig-map").props('role="img"')
+            self._map = ui.echart({"series": []}).classes("rig-graph rig-map").props('role="img"')
             self._alone = scrolling("Each deviation alone")
 
     def follow(self) -> None:

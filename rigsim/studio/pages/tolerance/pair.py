@@ -29,7 +29,7 @@ class RowsPair:
         self._key = uuid.uuid4().hex
         self._share = 0.5
         self._wanted: PairRequest | None = None
-        self._drawn = (16, 9)
+        self._drawn: tuple[int, int] | None = None
         self._gone = False
         client = ui.context.client
         client.on_disconnect(lambda: renderer().release(self._key))
@@ -90,14 +90,17 @@ class RowsPair:
         self._guide()
 
     def _look(self, event: events.GenericEventArguments) -> None:
-        self._share = min(max(float(event.args.get("image_y", 0)) / self._drawn[1], 0.0), 1.0)
-        self._guide()
+        if self._drawn is not None:
+            self._share = min(max(float(event.args.get("image_y", 0)) / self._drawn[1], 0.0), 1.0)
+            self._guide()
 
     def _guide(self) -> None:
         found = self._found()
+        self._under.set_text(guide_words(found, self._share))
+        if self._drawn is None:
+            return
         self._left.set_content(guide(found, self._share, self._drawn, right=False))
         self._right.set_content(guide(found, self._share, self._drawn, right=True))
-        self._under.set_text(guide_words(found, self._share))
 
     def _leave(self) -> None:
         self._gone = True
