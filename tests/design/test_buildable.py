@@ -91,6 +91,9 @@ def test_what_a_time_offset_is_taken_to_act_on_is_said() -> None:
     assert late.tolerance is not None
     said = tolerance_says(late.tolerance)
     assert "During a time offset the object moves at 1 m/s along the baseline: that is assumed" in said
+    assert "left for build errors (--build-share asks for 50 %)." in " ".join(
+        console.sentences(late.found, late.proofs)
+    )
     still = rigsim.design(**asked, proof=False)
     assert still.tolerance is not None
     assert "time offset" not in tolerance_says(still.tolerance)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 _HEADS = ("rig", "Z, m", "disparity, px", "depth std, mm", "nearest, mm", "farthest, mm")
 _ROWS = ("rows apart, px",)
-_CLAIM = ("maker's claim, mm", "")
+_CLAIM = ("maker's claim, mm", "basis")
 _NOT_KNOWN = "not known"
 
 
@@ -157,11 +157,15 @@ def _claimed_mm(claim: Figure, depth_mm: float) -> float:
 
 
 def _cells(one: At) -> tuple[str, ...]:
-    from rigsim.present.kit.format import plain
+    from rigsim.present.kit.format import plain, to_error
 
     told = values(one.facts)
-    keys = ("disparity_px", "depth_std", "depth_near", "depth_far")
-    return (one.name, plain(one.depth_mm / 1e3), *(_shown(told[key]) for key in keys))
+    std_mm = float(told["depth_std"])
+    ends = [float(told[key]) for key in ("depth_near", "depth_far")]
+    # as many digits as tell them from the distance
+    shown = [to_error(end, std_mm) if math.isfinite(end) else _shown(end) for end in ends]
+    seen = (_shown(told[key]) for key in ("disparity_px", "depth_std"))
+    return (one.name, plain(one.depth_mm / 1e3), *seen, *shown)
 
 
 def _rows_cells(one: At) -> tuple[str]:
