@@ -21,7 +21,7 @@ import numpy as np
 
 from benchmarks.subjects.live_page import HAND
 from rigsim.cli.app import run as command_line
-from tests.helpers.browser import Page, Server, serving, start_browser
+from tools.browser import Page, Server, serving, start_browser
 
 KEYS, DRAGS, FULL, STARTS = 60, 40, 8, 7
 HANDS, HANDS_S = 10, 60.0

@@ -21,8 +21,8 @@ class Motion:
     """The right picture is taken `time_offset_s` after the left one; meanwhile the rig or an object moves.
 
     `apply` gives the one rig whose two pictures, taken at once, would be these: the calibrated rig is the
-    assumed one, what comes of it the true one. Forward and the turn are of the rig's frame, whose z axis
-    looks straight ahead and whose y axis points down; docs/explanation/motion.md derives what follows.
+    assumed one, what comes of it the true one. Forward, down and the turn are of the rig's frame, whose z
+    axis looks straight ahead and whose y axis points down; docs/explanation/motion.md derives what follows.
 
     Raises:
         InvalidRange: a number is none, or `moving` is neither.
@@ -46,7 +46,9 @@ class Motion:
     """How fast the rig turns about its own y axis, through the middle of the baseline, rad/s; positive turns
     to the right. It is the rig that turns, whatever the speeds are of."""
     moving: str = "rig"
-    """What the two speeds are of: ``rig`` or ``object``."""
+    """What the speeds are of: ``rig`` or ``object``."""
+    vertical_speed_m_s: float = 0.0
+    """Speed across the rows, down the pictures (the rig's y axis), m/s; negative is up."""
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -63,7 +65,7 @@ class Motion:
         that frame when the right one takes its own."""
         rig_from_left, way = rig.rig_from_left, 1.0 if self.moving == "rig" else -1.0
         along = rig_from_left.R @ rig.right_from_left.inverse.t / rig.baseline_m
-        speed = self.speed_m_s * along + self.forward_speed_m_s * np.array([0.0, 0.0, 1.0])
+        speed = self.speed_m_s * along + np.array([0.0, self.vertical_speed_m_s, self.forward_speed_m_s])
         # where the rig is, relative to things, and how it has turned
         then_from_later = Pose.from_rotvec(
             (0.0, self.turn_rate_rad_s * self.time_offset_s, 0.0), way * self.time_offset_s * speed

@@ -80,10 +80,9 @@ class Preset:
             odd.append(f"{rig.baseline_m * 1e3:.4g} mm of baseline instead of {self.rig.baseline_m * 1e3:g}")
         if not odd:
             return None
+        claims = " What its maker claims is of the published one" if self.claims else ""
         return Remark(
-            "mode",
-            f"{self.name}: {', '.join(odd)}, as published: does the camera have such a mode? What its maker "
-            "claims is of the published one",
+            "mode", f"{self.name}: {', '.join(odd)}, as published: does the camera have such a mode?{claims}"
         )
 
 

@@ -113,7 +113,7 @@ def glance(simulator: Simulator, asked: Glimpse, between: Callable[[], None] = l
         depth_m=frame.left.depth.astype(np.float32),
         disparity_px=_of_own_pictures(asked.rig, rig, points, disparity),
         depth_std_m=_expected_std(asked.rig, points, seen, noise),
-        remarks=(*_smaller(asked, size_px), *simulator.remarks),
+        remarks=simulator.remarks,
     )
 
 
@@ -178,11 +178,3 @@ def _spread(values: Array, where: Mask) -> Light:
     found = np.full(where.shape, np.nan, dtype=np.float32)
     found[where] = values
     return found
-
-
-def _smaller(asked: Glimpse, size_px: tuple[int, int]) -> tuple[Remark, ...]:
-    own = (asked.rig.left.width, asked.rig.left.height)
-    if asked.size_px is not None or asked.coarse or size_px == own:
-        return ()
-    text = f"drawn at {size_px[0]}x{size_px[1]} of the rig's {own[0]}x{own[1]} px, to be quick"
-    return (Remark("drawn_smaller", text),)

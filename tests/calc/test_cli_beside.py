@@ -124,6 +124,13 @@ def test_a_claim_that_nobody_knows(capsys: pytest.CaptureFixture[str]) -> None:
     assert next(line for line in lines if line.startswith("boards")).rstrip().endswith("–")  # nobody sells it
 
 
+def test_nearest_and_farthest_are_told_from_the_distance(capsys: pytest.CaptureFixture[str]) -> None:
+    # 0.5^2 m sqrt(2) 0.25 px / (1000 px x 200 mm) = 0.442 mm
+    table = printed(capsys, "--focal", "1000px", "--baseline", "200", "--z", "0.5,1m", "--markdown")
+    (near,) = [line for line in table.splitlines() if line.startswith("| rig | 0.5 ")]
+    assert [cell.strip() for cell in near.split("|")[4:7]] == ["0.442", "499.56", "500.44"]
+
+
 def test_rows_apart_have_a_column_where_there_are_any(capsys: pytest.CaptureFixture[str]) -> None:
     words = ("--preset", "boards,bin", "--z", "1m")
     table = printed(capsys, *words, "--vertical=-1mm", "--markdown").splitlines()
@@ -136,9 +143,17 @@ def test_what_is_odd_names_its_rig(capsys: pytest.CaptureFixture[str]) -> None:
     words = ("--preset", "oak-d,d435", "--z", "0.1,1m", "--resolution", "640x400")
     said = [remark["text"] for remark in document(capsys, *words)["remarks"]]
     assert sum("does the camera have such a mode" in text for text in said) == 2
+    assert not [text for text in said if text.count("oak-d:") > 1 or text.count("d435:") > 1]
     assert any(
         text.startswith("oak-d: the right camera does not see the point at Z = 100 mm") for text in said
     )
+
+
+def test_a_claim_is_spoken_of_where_one_is_known(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ("--preset", "oak-d,zed-2i", "--z", "1m", "--resolution", "640x400")
+    said = [remark["text"] for remark in document(capsys, *words)["remarks"]]
+    modes = {text.split(":")[0]: text for text in said if "does the camera have such a mode" in text}
+    assert ["What its maker claims" in modes[name] for name in ("oak-d", "zed-2i")] == [True, False]
 
 
 @pytest.mark.parametrize(

@@ -31,6 +31,7 @@ def test_a_thing_that_passes_by_hand(capsys: pytest.CaptureFixture[str]) -> None
         "time_offset_ms": 2.0,
         "speed_m_s": 1.0,
         "forward_speed_m_s": 0.0,
+        "vertical_speed_m_s": 0.0,
         "turn_rate_deg_s": 0.0,
         "pivot": "middle of the baseline",
         "moving": "object",
@@ -44,6 +45,22 @@ def test_a_turning_rig_by_hand(capsys: pytest.CaptureFixture[str]) -> None:
     assert found["depth_error"] == pytest.approx(108000 / 36.944 - 3000, abs=0.2)
     other = document(capsys, "--time-offset=-2ms", "--turn-rate=-30deg/s")
     assert other["along_px"] == pytest.approx(found["along_px"])
+
+
+def test_a_drone_that_looks_down_with_its_baseline_across_the_flight(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    # flying up the pictures: 4 mm at 3 m are 900 x 0.004 / 3 = 1.2 px, down; half a pixel takes 1 / 2.4 ms
+    found = document(capsys, "--time-offset", "1ms", "--vertical-speed=-4m/s", "--moving", "rig")
+    assert found["across_px"] == pytest.approx(1.2)
+    assert found["along_px"] == pytest.approx(0, abs=1e-9)
+    assert found["allowed_rows_ms"] == pytest.approx(1 / 2.4)
+    assert found["allowed_ms"] is None
+    assert found["motion"]["vertical_speed_m_s"] == -4.0
+    assert [remark["code"] for remark in found["remarks"]] == ["rows"]
+    assert found["says"].startswith("At 3.00 m the depth is right: the disparity is off by 0 px and the rows")
+    assert run(["calc", "motion", *RIG, "--time-offset", "1ms", "--vertical-speed", "4m/s"]) == 2
+    assert "--moving is missing" in capsys.readouterr().err
 
 
 def test_what_is_not_seen_has_no_error(capsys: pytest.CaptureFixture[str]) -> None:

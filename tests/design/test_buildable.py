@@ -8,6 +8,7 @@ import pytest
 
 import rigsim
 from rigsim.present.design import console
+from rigsim.present.design.tolerance import tolerance_says
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance.count import count_good
@@ -82,6 +83,20 @@ def test_own_tolerances_stand_in_for_the_class_s() -> None:
     held = found.tolerance.result.tolerances
     assert math.isclose(held.yaw_deg, 0.3)
     assert held.pitch_deg == CLASSES["machined"].tolerances(found.rig).pitch_deg
+
+
+def test_what_a_time_offset_is_taken_to_act_on_is_said() -> None:
+    asked = {"range_m": (1, 3), "depth_error_mm": 30, "resolutions_px": (1280, 960), "lenses_deg": 60}
+    late = rigsim.design(**asked, proof=False, tolerances={"time_offset_ms": 1.0})
+    assert late.tolerance is not None
+    said = tolerance_says(late.tolerance)
+    assert "During a time offset the object moves at 1 m/s along the baseline: that is assumed" in said
+    assert "left for build errors (--build-share asks for 50 %)." in " ".join(
+        console.sentences(late.found, late.proofs)
+    )
+    still = rigsim.design(**asked, proof=False)
+    assert still.tolerance is not None
+    assert "time offset" not in tolerance_says(still.tolerance)
 
 
 def test_the_smallest_resolution_that_would_do() -> None:

@@ -32,9 +32,9 @@ def test_pictures_that_are_noisier_than_promised_are_told_beside_verified() -> N
     held = RequirementCheck(asked, 0.467e-3, "points", 200, 1.1, 1.3, measured=0.907e-3, n_measured=450)
     assert held.is_met
     assert more_in_pictures([held], 0.2 / 2**0.5) == (
-        "But the measured depth error at 1.2 m is 0.907 mm, 1.9 times the simulated 0.467 mm, which the scatter "
-        "of 450 matches does not explain: what is found in these pictures has about 0.27 px of noise per "
-        "coordinate, not 0.141. It still meets what is asked, with less left for the build."
+        "But the measured depth error at 1.2 m is 0.907 mm, 1.9 times the simulated 0.467 mm, which the "
+        "scatter of 450 matches does not explain: what is found in these pictures has about 0.27 px of "
+        "noise per coordinate, not 0.141. It still meets what is asked, with less left for the build."
     )
     for measured_mm, more in ((0.512, False), (0.516, True), (0.2, False)):
         assert replace(held, measured=measured_mm * 1e-3).is_more_in_pixels is more

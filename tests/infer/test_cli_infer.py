@@ -67,6 +67,20 @@ def test_few_claims_give_a_value_alone(infer: Any, claim: str) -> None:
     assert (answer["verdict"], answer["interval_from"]) == ("untested", "none")
 
 
+def test_one_wall_test_is_answered_first_and_has_no_interval_to_show(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    # by hand: 4 mm at 1 m are 4 x 60 / 1000 = 0.24 px, 0.17 a coordinate; 16 times at 4 m
+    words = "infer --measured 4mm@1m --baseline 75 --focal 800 --resolution 1280x800 --at 4m"
+    assert run(words.split()) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    assert printed.startswith(
+        "A disparity noise of 0.240 px, 0.170 px per pixel coordinate, would explain it."
+    )
+    assert "distance depth std note" in printed
+    assert "4.00 m 64.0 mm" in printed
+
+
 @pytest.mark.parametrize(
     ("claim", "law"), [("1%@1m,1%@2m,1%@4m", "linear"), ("5mm@1m,5mm@2m,5mm@4m", "constant")]
 )

@@ -46,6 +46,18 @@ def test_a_rig_that_goes_forward_sees_things_spread() -> None:
     close(seen_late(Motion(0.01, 0.0, -50.0, moving="object"), (0.4, 0.5, 2.5)), [650, 650])
 
 
+def test_a_rig_that_goes_down_the_picture_sees_things_go_up_across_the_rows() -> None:
+    # 4 m/s x 5 ms = 20 mm, at 20 m: 1000 x 0.02 / 20 = 1 px, up; the disparity stays
+    motion = Motion(0.005, vertical_speed_m_s=4.0)
+    close(seen_late(motion, (0, 0, 20)), [500 - 5, 400 - 1])
+    close(seen_late(Motion(0.005, moving="object", vertical_speed_m_s=4.0), (0, 0, 20)), [500 - 5, 401])
+    found = motion_at(RIG, motion, 20.0, PixelNoise(0.25), sized=True)
+    assert (found.along_px, found.allowed_s) == (pytest.approx(0, abs=1e-9), math.inf)
+    assert found.across_px == pytest.approx(-1) == found.most_across_px
+    # half a pixel takes half as long
+    assert found.allowed_rows_s == pytest.approx(0.0025)
+
+
 def test_a_turn_to_the_right_moves_the_picture_left() -> None:
     """30 deg/s and 2 ms are a px at 1000 px of focal length: 1000 tan(0.06 deg) = 1.0472."""
     motion = Motion(0.002, turn_rate_rad_s=math.radians(30))
@@ -57,27 +69,32 @@ def test_a_turn_to_the_right_moves_the_picture_left() -> None:
     close(seen_late(quarter, (0.05 + 2.0, 0.5, 0.0)), [500 - 25, 400 + 250])
 
 
-@given(SPEEDS, SPEEDS, st.floats(-60, 60), st.floats(-0.4, 0.4), st.floats(-0.3, 0.3), st.floats(1, 20))
+@given(
+    st.tuples(SPEEDS, SPEEDS, SPEEDS),
+    st.floats(-60, 60),
+    st.tuples(st.floats(-0.4, 0.4), st.floats(-0.3, 0.3), st.floats(1, 20)),
+)
 def test_small_motions_follow_the_formula_of_the_docs(
-    sideways: float, forward: float, turn_deg_s: float, x: float, y: float, depth: float
+    speeds: tuple[float, float, float], turn_deg_s: float, at: tuple[float, float, float]
 ) -> None:
+    (sideways, down, forward), (x, y, depth) = speeds, at
     dt, turn = 1e-6, math.radians(turn_deg_s)
     point = np.array([[x * depth + 0.1, y * depth, depth]])  # the right camera sees it at (x, y)
-    shift = shift_of(RIG, Motion(dt, sideways, forward, turn), point)
+    shift = shift_of(RIG, Motion(dt, sideways, forward, turn, vertical_speed_m_s=down), point)
     # swung about the middle of the baseline the right camera also goes back, by B w dt / 2
     ahead = forward - 0.05 * turn
     along = 1000 * dt * (-sideways / depth + x * ahead / depth - (1 + x * x) * turn)
-    across = 1000 * dt * (y * ahead / depth - x * y * turn)
+    across = 1000 * dt * (-down / depth + y * ahead / depth - x * y * turn)
     close(shift.along_px, [along], rtol=1e-4, atol=1e-9)
     close(shift.across_px, [across], rtol=1e-4, atol=1e-9)
     close(shift.depth_error_m, [depth**2 * along / 100], rtol=2e-2, atol=1e-7)
 
 
-@given(SPEEDS, SPEEDS)
-def test_only_what_moves_against_the_other_counts(sideways: float, forward: float) -> None:
+@given(SPEEDS, SPEEDS, SPEEDS)
+def test_only_what_moves_against_the_other_counts(sideways: float, forward: float, down: float) -> None:
     rig = rigsim.make_rig(RIG, vergence_deg=5, vertical_mm=3)
-    motion = Motion(0.01, sideways, forward)
-    other = Motion(0.01, -sideways, -forward, moving="object")
+    motion = Motion(0.01, sideways, forward, vertical_speed_m_s=down)
+    other = Motion(0.01, -sideways, -forward, moving="object", vertical_speed_m_s=-down)
     assert motion.apply(rig) == other.apply(rig)
     close(Motion(0.01).apply(rig).right_from_left.t, rig.right_from_left.t, atol=1e-15)
 
@@ -100,6 +117,7 @@ def test_a_distance_is_told_with_its_surroundings() -> None:
     assert unsized.along_px == found.along_px
     still = motion_at(RIG, Motion(0.004), 1.0, PixelNoise(0.25), sized=True)
     assert (still.along_px, still.most_across_px, still.allowed_s) == (0.0, 0.0, math.inf)
+    assert still.allowed_rows_s == math.inf
 
 
 def test_a_shift_that_leaves_no_disparity_has_no_depth() -> None:

@@ -84,14 +84,6 @@ def test_sizes_keep_the_shape_and_bound_the_work() -> None:
     assert picture_size(tiny, coarse=True) == (64, 48)
 
 
-def test_a_smaller_picture_than_the_rigs_is_remarked(simulator: Simulator) -> None:
-    large = StereoRig.rectified(Intrinsics.from_focal(4056, 400, 3000.0), 0.1)
-    seen = glance(simulator, Glimpse(large, None, False, 0.25))
-    assert seen.depth_m.shape[1] < 4056
-    assert [remark.code for remark in seen.remarks] == ["drawn_smaller"]
-    assert "4056x400" in seen.remarks[0].text
-
-
 def test_whoever_no_longer_waits_ends_the_work(simulator: Simulator) -> None:
     calls = []
 

@@ -371,6 +371,19 @@ def test_overlays_have_the_pictures_size_and_say_their_scale(
     assert (picture[~inside] == 60).all()
 
 
+def test_a_smaller_picture_than_the_rigs_is_said(painter: Painter, scene: str) -> None:
+    large = StereoRig.rectified(Intrinsics.from_focal(4056, 400, 3000.0), 0.1)
+    pair = painter.answer(PairRequest(large, scene))
+    assert isinstance(pair, Pair)
+    said = f"drawn at {pair.width}x{pair.height} of the rig's 4056x400 px, to be quick"
+    assert pair.width < 4056
+    assert pair.remarks == (said,)
+    for quiet in (PairRequest(large, scene, coarse=True), PairRequest(large, scene, size=(64, 36))):
+        small = painter.answer(quiet)
+        assert isinstance(small, Pair)
+        assert small.remarks == ()
+
+
 def test_another_overlay_costs_no_new_pictures(
     painter: Painter, scene: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 _HEADS = ("rig", "Z, m", "disparity, px", "depth std, mm", "nearest, mm", "farthest, mm")
 _ROWS = ("rows apart, px",)
-_CLAIM = ("maker's claim, mm", "")
+_CLAIM = ("maker's claim, mm", "basis")
 _NOT_KNOWN = "not known"
 
 
@@ -87,7 +87,7 @@ def print_beside(rows: Sequence[At], noise_px: float, form: Form, golden: Golden
     """Print every rig at every distance, in the order given."""
     several = len({one.name for one in rows}) > 1
     remarks = [
-        replace(remark, text=f"{one.name}: {remark.text}") if several else remark
+        replace(remark, text=_named(one.name, remark.text)) if several else remark
         for one in rows
         for remark in one.remarks
     ]
@@ -157,11 +157,15 @@ def _claimed_mm(claim: Figure, depth_mm: float) -> float:
 
 
 def _cells(one: At) -> tuple[str, ...]:
-    from rigsim.present.kit.format import plain
+    from rigsim.present.kit.format import plain, to_error
 
     told = values(one.facts)
-    keys = ("disparity_px", "depth_std", "depth_near", "depth_far")
-    return (one.name, plain(one.depth_mm / 1e3), *(_shown(told[key]) for key in keys))
+    std_mm = float(told["depth_std"])
+    ends = [float(told[key]) for key in ("depth_near", "depth_far")]
+    # as many digits as tell them from the distance
+    shown = [to_error(end, std_mm) if math.isfinite(end) else _shown(end) for end in ends]
+    seen = (_shown(told[key]) for key in ("disparity_px", "depth_std"))
+    return (one.name, plain(one.depth_mm / 1e3), *seen, *shown)
 
 
 def _rows_cells(one: At) -> tuple[str]:
@@ -183,6 +187,11 @@ def _claim_cells(one: At) -> tuple[str, str]:
     if not math.isclose(claim.at_mm or 0.0, one.depth_mm):
         says = f"Z² from {says}"
     return number(_claimed_mm(claim, one.depth_mm)), says
+
+
+def _named(name: str, text: str) -> str:
+    """A remark with the rig's name before it, once."""
+    return text if text.startswith(f"{name}: ") else f"{name}: {text}"
 
 
 def _shown(value: float | str) -> str:

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from rigsim.study.calc.motion import MotionAt
 
 _SPEED = quantity.QuantityKind("speed", "m/s", quantity.SPEEDS)
+_VERTICAL_SPEED = quantity.QuantityKind("vertical speed", "m/s", quantity.SPEEDS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +51,14 @@ class MotionWords:
         ),
     ] = "0"
     forward_speed: Annotated[str, typer.Option(metavar="SPEED", help="Straight ahead: 10m/s.")] = "0"
+    vertical_speed: Annotated[
+        str,
+        typer.Option(
+            metavar="SPEED",
+            help="Across the rows, down the pictures: 4m/s; negative is up. Of cameras that look down, with "
+            "the baseline across the flight, it is the speed of the flight.",
+        ),
+    ] = "0"
     turn_rate: Annotated[
         str,
         typer.Option(
@@ -60,9 +69,7 @@ class MotionWords:
     ] = "0"
     moving: Annotated[
         str | None,
-        typer.Option(
-            metavar="WHAT", help="What the two speeds are of, to be said with either: rig or object."
-        ),
+        typer.Option(metavar="WHAT", help="What the speeds are of, to be said with any: rig or object."),
     ] = None
     noise: Noise = None
     disparity_noise: DisparityNoise = None
@@ -138,7 +145,8 @@ def _motion(words: MotionWords) -> Motion:
 
     speed_m_s = quantity.value(words.speed, _SPEED)
     forward_m_s = quantity.value(words.forward_speed, quantity.FORWARD_SPEED)
-    if words.moving is None and (speed_m_s or forward_m_s):
+    vertical_m_s = quantity.value(words.vertical_speed, _VERTICAL_SPEED)
+    if words.moving is None and (speed_m_s or forward_m_s or vertical_m_s):
         raise InvalidRange("--moving is missing: does the rig move, or the object? Write rig or object")
     return Motion(
         quantity.value(words.time_offset, quantity.TIME_OFFSET) / 1e3,
@@ -146,10 +154,13 @@ def _motion(words: MotionWords) -> Motion:
         forward_m_s,
         math.radians(quantity.value(words.turn_rate, quantity.TURN_RATE)),
         words.moving or "rig",
+        vertical_m_s,
     )
 
 
 def _facts(found: MotionAt, seen: bool, noise_px: float) -> list[Fact]:
+    from rigsim.study.calc.motion import KEPT_ROWS_PX
+
     def told(value: float) -> float:
         return value if seen else math.nan
 
@@ -168,5 +179,12 @@ def _facts(found: MotionAt, seen: bool, noise_px: float) -> list[Fact]:
             found.allowed_s * 1e3,
             "ms",
             f"time offset whose largest shift is as large as a disparity's noise, {noise_px * 2**0.5:.3g} px",
+        ),
+        Fact(
+            "allowed_rows_ms",
+            "allowed by rows",
+            found.allowed_rows_s * 1e3,
+            "ms",
+            f"time offset with which no point is more than {KEPT_ROWS_PX:g} px off its row",
         ),
     ]

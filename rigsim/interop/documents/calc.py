@@ -147,12 +147,14 @@ class MotionPart(Part):
     """Speed along the baseline, from the left camera to the right one, m/s."""
     forward_speed_m_s: float
     """Speed straight ahead, m/s."""
+    vertical_speed_m_s: float
+    """Speed across the rows, down the pictures, m/s; negative is up."""
     turn_rate_deg_s: float
     """How fast the rig turns to the right, deg/s; negative is to the left."""
     pivot: Literal["middle of the baseline"]
     """What it turns about."""
     moving: Literal["rig", "object"]
-    """What the two speeds are of."""
+    """What the speeds are of."""
 
 
 class CalcMotionDocument(Part):
@@ -178,6 +180,8 @@ class CalcMotionDocument(Part):
     """The same of the depth, mm."""
     allowed_ms: float | None
     """Time offset with which the largest shift along the rows is a disparity's noise, ms; null for any."""
+    allowed_rows_ms: float | None
+    """Time offset with which the largest shift across the rows is half a pixel, ms; null for any."""
     depth_std: float | None
     """Standard deviation of the depth for this noise, mm, beside it."""
     says: str
@@ -331,6 +335,7 @@ def motion_document(values: Values, motion: Motion, remarks: Iterable[Remark], s
         "time_offset_ms": clean(motion.time_offset_s * 1e3),
         "speed_m_s": motion.speed_m_s,
         "forward_speed_m_s": motion.forward_speed_m_s,
+        "vertical_speed_m_s": motion.vertical_speed_m_s,
         "turn_rate_deg_s": clean(math.degrees(motion.turn_rate_rad_s)),
         "pivot": "middle of the baseline",
         "moving": motion.moving,

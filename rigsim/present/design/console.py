@@ -103,7 +103,7 @@ def _budget(pick: Candidate, spec: Specification) -> str:
         "left for build errors"
     )
     if pick.keeps_share:
-        return f"{said} (--build-share {wanted:.3g}%)."
+        return f"{said} (--build-share asks for {wanted:.3g} %)."
     return f"{said}: less than the {wanted:.3g} % of --build-share, which no rig here reaches."
 
 

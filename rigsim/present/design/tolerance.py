@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from rigsim.present.kit.sayings import Sentences, spoken
+from rigsim.present.tolerance.words import motion_sentence
 from rigsim.rig.digits import short
 from rigsim.study.design import words as words
 from rigsim.study.design.help import Attempt, Best
@@ -44,6 +45,7 @@ def tolerance_says(tolerance: DesignTolerance) -> str:
     """What the build must hold, who holds it, and what would help where no class will do."""
     told = (
         _must_hold(tolerance),
+        _moving(tolerance),
         _who(tolerance),
         _worse(tolerance),
         advice_says(tolerance.best, tolerance.advice),
@@ -118,6 +120,14 @@ def _must_hold(tolerance: DesignTolerance) -> str:
         f"For 95 of 100 rigs to stay within {kept}, pixel noise included, hold {hold} (when all quantities "
         "take equal shares of the build error)."
     )
+
+
+def _moving(tolerance: DesignTolerance) -> str:
+    """What a time offset was taken to act on; empty without one."""
+    said = motion_sentence(tolerance.result)
+    if not said:
+        return ""
+    return f"{said[:-1]}: that is assumed; rigsim tolerance takes other speeds, forward too, and turns."
 
 
 def _who(tolerance: DesignTolerance) -> str:

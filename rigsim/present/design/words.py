@@ -57,19 +57,18 @@ def grounds(checks: Sequence[RequirementCheck], scene: str, n_trials: int, metho
 def more_in_pictures(checks: Sequence[RequirementCheck], noise_px: float) -> str:
     """That the pictures are noisier than what was promised, where a requirement is kept all the same; empty
     where they are not, or where it is not kept."""
-    more = [
-        held for held in checks if held.is_met and held.is_more_in_pixels and not held.is_missed_by_pixels
-    ]
+    kept = (held for held in checks if held.is_met and not held.is_missed_by_pixels)
+    more = [held for held in kept if held.is_more_in_pixels]
     if not more:
         return ""
     worst = max(more, key=lambda held: held.measured / held.simulated)
-    ratio = worst.measured / worst.simulated
-    asked = worst.requirement
+    ratio, asked = worst.measured / worst.simulated, worst.requirement
+    measured, simulated = (labels.value(asked, one, 3) for one in (worst.measured, worst.simulated))
     return (
-        f"But the measured {labels.name(asked)} is {labels.value(asked, worst.measured, 3)}, {ratio:.2g} times "
-        f"the simulated {labels.value(asked, worst.simulated, 3)}, which the scatter of {worst.n_measured} "
-        f"matches does not explain: what is found in these pictures has about {noise_px * ratio:.2g} px of "
-        f"noise per coordinate, not {noise_px:.3g}. It still meets what is asked, with less left for the build."
+        f"But the measured {labels.name(asked)} is {measured}, {ratio:.2g} times the simulated {simulated}, "
+        f"which the scatter of {worst.n_measured} matches does not explain: what is found in these pictures "
+        f"has about {noise_px * ratio:.2g} px of noise per coordinate, not {noise_px:.3g}. It still meets "
+        "what is asked, with less left for the build."
     )
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import numpy as np
+
 from rigsim.present.infer.words import sentence, whose
 from rigsim.present.kit.console import make_console, paragraph, print_table
 from rigsim.present.kit.format import length, lengths_within, number, with_interval
@@ -77,14 +79,19 @@ def _print_carried(carried: Transfer, whose_rig: str) -> None:
     numbers = zip(
         carried.depths_m, carried.stds_m, carried.lows_m, carried.highs_m, carried.trusted, strict=True
     )
+    shown = 3 if np.isfinite(carried.lows_m).any() else 1  # no columns of an interval that nobody knows
     print_table(
         f"Same noise, {whose_rig}: baseline {length(carried.rig.baseline_m)}, focal {number(lens.fx, 4)} px",
-        ("distance", "depth std", "from", "to", "note"),
+        ("distance", *("depth std", "from", "to")[:shown], "note"),
         [
-            (length(depth), *lengths_within(std, low, high), "" if trusted else "disparity under 4 sigma")
+            (
+                length(depth),
+                *lengths_within(std, low, high)[:shown],
+                "" if trusted else "disparity under 4 sigma",
+            )
             for depth, std, low, high, trusted in numbers
         ],
-        numeric=(True, True, True, True, False),
+        numeric=(True, *[True] * shown, False),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rigsim.present.kit.format import plain, with_interval
+from rigsim.present.kit.format import number, plain, with_interval
 from rigsim.study.infer.run import Inference, Transfer
 
 
@@ -10,9 +10,11 @@ def sentence(inference: Inference) -> str:
     """What follows from the fit, in words."""
     fit = inference.fit
     if fit is None:
+        sigma = inference.disparity_std_px
         return (
-            "The law is untested: at least three different distances are needed to tell stereo noise from "
-            "other causes."
+            f"A disparity noise of {number(sigma)} px, {number(sigma / 2**0.5)} px per pixel coordinate, "
+            "would explain it. Whether it is stereo noise is untested: at least three different distances "
+            "tell it from other causes."
         )
     exponent, low, high = with_interval(fit.exponent, fit.exponent_low, fit.exponent_high)
     grows = f"the error grows as distance to the power {exponent} ({low} to {high})"

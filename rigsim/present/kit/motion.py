@@ -45,6 +45,7 @@ def moves(motion: Motion) -> list[str]:
         for speed, way in (
             (motion.speed_m_s, "along the baseline"),
             (motion.forward_speed_m_s, "straight ahead"),
+            (motion.vertical_speed_m_s, "down the pictures, across the rows"),
         )
         if speed
     ]

@@ -21,6 +21,9 @@ _DRAW = """(params, api) => {
   return {type: 'polygon', shape: {points}, style: {fill: '#009e73', opacity: 0.2}, silent: true};
 }""".replace("COUNT", str(2 * _AREA))
 
+_ABOVE, _LEFT_OF = [10, -16], [-6, 6]
+"""Where a name begins, or ends, from its line's end, px."""
+
 Mark = tuple[float, float]
 """Focal length, px, and baseline, mm, of a rig."""
 
@@ -127,8 +130,8 @@ def _names(shown: Region, low_mm: float, high_mm: float) -> dict[str, Any]:
             continue
         upright = x[0] == x[-1]
         at = [float(x[0]), float(y[-1] if upright else y[0])]
-        label: dict[str, Any] = {"formatter": _name(line), "position": "left" if upright else "right"}
-        label["offset"] = [-4, 12] if upright else [9, -13]
+        label = {"formatter": _name(line), "position": _LEFT_OF if upright else _ABOVE}
+        label["align"] = "right" if upright else "left"
         data.append({"value": at, "label": label})
     return {
         "type": "scatter",

@@ -94,7 +94,7 @@ class Painter:
             disparity_px=seen.disparity_px,
             depth_std_m=seen.depth_std_m,
             seconds=time.perf_counter() - begun,
-            remarks=tuple(remark.text for remark in seen.remarks),
+            remarks=(*_smaller(request, width, height), *(remark.text for remark in seen.remarks)),
         )
 
     def _seen(self, request: PairRequest) -> Glance:
@@ -123,6 +123,14 @@ class Painter:
     def _may_stop(self) -> None:
         if self._connection is not None and self._connection.poll():
             raise _Unwanted
+
+
+def _smaller(request: PairRequest, width: int, height: int) -> tuple[str, ...]:
+    """That the picture is smaller than the rig's own, where nobody asked for that."""
+    own = (request.rig.left.width, request.rig.left.height)
+    if request.size is not None or request.coarse or (width, height) == own:
+        return ()
+    return (f"drawn at {width}x{height} of the rig's {own[0]}x{own[1]} px, to be quick",)
 
 
 def _overlay(request: PairRequest, seen: Glance) -> tuple[bytes | None, Legend | None]:

@@ -15,7 +15,7 @@ MISSING = "–"
 """In place of a number that there is none of."""
 
 
-class Number:
+class ShownNumber:
     """A large number with its name and unit."""
 
     def __init__(self, name: str, testid: str, *, small: bool = False) -> None:

@@ -14,11 +14,19 @@ from rigsim.studio.kit.session import Session
 PAGES = ("point", "rig", "design", "tolerance", "compare")
 """Pages, in the order of the way through them."""
 
+_NAME_PICTURES = """<script>
+new MutationObserver(() => document.querySelectorAll('[data-alt] img:not([alt])').forEach(
+  picture => { picture.alt = picture.closest('[data-alt]').dataset.alt; }
+)).observe(document.documentElement, {childList: true, subtree: true});
+</script>"""
+"""Says in words what a picture shows: the toolkit's own pictures take no such words."""
+
 
 @contextmanager
 def frame(session: Session) -> Iterator[None]:
     """The page around what is built inside."""
     ui.add_css(files("rigsim.studio.kit").joinpath("studio.css").read_text())
+    ui.add_body_html(_NAME_PICTURES)
     ui.colors(primary="#0072B2", positive="#00624A", negative="#9A3D00", warning="#9A3D00")
     ui.page_title(f"{session.page.capitalize()} · rigsim studio")
     dark = ui.dark_mode(None)

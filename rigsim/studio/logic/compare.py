@@ -52,7 +52,7 @@ class Pinned:
 
 
 @dataclass(frozen=True, slots=True)
-class Compared:
+class ComparedQuantity:
     """One quantity of all rigs."""
 
     name: str
@@ -103,7 +103,7 @@ def pin_preset(state: State, name: str) -> State:
     return state.with_words(**{slot: with_it[slot] for slot in PINS})
 
 
-def table(rigs: Sequence[Pinned]) -> list[Compared]:
+def table(rigs: Sequence[Pinned]) -> list[ComparedQuantity]:
     """Every quantity of all rigs, those they share as well."""
     rows = [_given("baseline", "mm", [_baseline(one.found) for one in rigs])]
     rows.append(_given("image", "px", [_size(one.found) for one in rigs]))
@@ -115,7 +115,7 @@ def table(rigs: Sequence[Pinned]) -> list[Compared]:
         facts = [_fact(one.found, place, key) for one in rigs]
         cells = tuple("–" if fact is None else fact.shown for fact in facts)
         unit = next((fact.unit for fact in facts if fact is not None), "")
-        rows.append(Compared(name, unit, cells, len(set(cells)) > 1, _best(facts, cells, better_is)))
+        rows.append(ComparedQuantity(name, unit, cells, len(set(cells)) > 1, _best(facts, cells, better_is)))
     return rows
 
 
@@ -157,8 +157,8 @@ def _fact(found: RigNumbers, place: str, key: str) -> Fact | None:
     return found.of_rig.get(key) if not place else found.places.get(place, {}).get(key)
 
 
-def _given(name: str, unit: str, cells: Sequence[str]) -> Compared:
-    return Compared(name, unit, tuple(cells), len(set(cells)) > 1, None)
+def _given(name: str, unit: str, cells: Sequence[str]) -> ComparedQuantity:
+    return ComparedQuantity(name, unit, tuple(cells), len(set(cells)) > 1, None)
 
 
 def _baseline(found: RigNumbers) -> str:

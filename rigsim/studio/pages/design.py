@@ -7,7 +7,6 @@ from html import escape
 
 from nicegui import ui
 
-from rigsim.errors import RigsimError
 from rigsim.present.live.region import region_chart
 from rigsim.rig.quantity import (
     BASELINE,
@@ -73,7 +72,7 @@ def begin(state: State) -> State:
 
 def build(session: Session) -> None:
     """The page."""
-    shown = _Shown(session)
+    shown = DesignShown(session)
     with frame(session):
         ui.html("<h1>From requirements to a rig</h1>", sanitize=False)
         ui.label(
@@ -107,10 +106,11 @@ def _controls(session: Session) -> None:
         action("Reset defaults", lambda: session.show(feasible.reset(session.state)), icon="restart_alt")
 
 
-class _Shown:
+class DesignShown:
     """What is on the page beside the form."""
 
     def __init__(self, session: Session) -> None:
+        """Know what is feasible; nothing is placed yet."""
         self._session = session
         self._found = feasible.find(session.state)
         self._advice: advice.DesignAdvice | None = None
@@ -146,7 +146,7 @@ class _Shown:
             ui.html("<h2>Feasible rigs</h2>", sanitize=False)
             self._size = choice(self._session, "region", "Image size shown", {"": "as recommended"})
         self._counted = ui.label().classes("rig-soft")
-        self._chart = ui.echart({"series": []}, renderer="svg").classes("rig-chart rig-region")
+        self._chart = ui.echart({"series": []}, renderer="svg").classes("rig-graph rig-region")
         self._chart.props('role="img"')
         self._chart.on("click", self._clicked, js_handler=_CLICKED.replace("CHART", str(self._chart.id)))
         ui.label(
@@ -159,7 +159,7 @@ class _Shown:
         with (
             ui.element("div")
             .classes("rig-scroll rig-tall")
-            .props('tabindex=0 role=region aria-label="Trade-offs"'),
+            .props('tabindex=0 role=region aria-label="Table of trade-offs"'),
             ui.element("table").classes("rig-table"),
         ):
             with ui.element("thead"), ui.element("tr"):
@@ -333,11 +333,7 @@ class _Shown:
 
     async def _report(self) -> None:
         ui.notify("The report is being made: some seconds")
-        try:
-            page = await apart(advice.report, advice.asked(self._session.state))
-        except RigsimError as error:
-            ui.notify(str(error), type="warning")
-            return
+        page = await apart(advice.report, advice.asked(self._session.state))
         if page is not None:
             ui.download.content(page, "design.html")
 

@@ -10,7 +10,7 @@ from rigsim.present.live.plan import PlanPoint, plan_svg
 from rigsim.rig.quantity import NOISE, PIXEL_PITCH, SENSOR_WIDTH
 from rigsim.studio.kit.clipboard import copy
 from rigsim.studio.kit.controls import action, text_box
-from rigsim.studio.kit.numbers import Number, facts_table, notes
+from rigsim.studio.kit.numbers import ShownNumber, facts_table, notes
 from rigsim.studio.kit.session import Session
 from rigsim.studio.kit.shell import frame
 from rigsim.studio.logic import command, point
@@ -90,9 +90,9 @@ def _answer(session: Session) -> None:
     said = ui.html("", sanitize=False).classes("w-full").props('aria-live="polite"')
     with ui.element("section").classes("rig-panel w-full").props('aria-label="Result"'):
         with ui.element("div").classes("rig-numbers"):
-            numbers = [(key, Number(name, testid)) for name, testid, key in _NUMBERS]
+            numbers = [(key, ShownNumber(name, testid)) for name, testid, key in _NUMBERS]
         with ui.element("div").classes("rig-numbers").style("margin-top:14px"):
-            numbers += [(key, Number(name, testid, small=True)) for name, testid, key in _SMALL]
+            numbers += [(key, ShownNumber(name, testid, small=True)) for name, testid, key in _SMALL]
     with ui.element("section").classes("rig-panel w-full").props('aria-label="From above"'):
         ui.html("<h2>From above</h2>", sanitize=False)
         picture = ui.html("", sanitize=False).classes("w-full")

@@ -18,6 +18,9 @@ from rigsim.theory.triangulation import triangulate
 
 ODD_ROWS_PX = 1.0
 """A matcher that searches along rows loses points that lie further off theirs."""
+KEPT_ROWS_PX = 0.5
+"""A matcher that searches along rows finds all points that lie no further off theirs."""
+_ROUNDING_PX = 1e-9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,6 +53,8 @@ class MotionAt:
     """The same of the depth, m."""
     allowed_s: float
     """Time offset with which the largest of these shifts along the rows is a disparity's noise, s."""
+    allowed_rows_s: float
+    """Time offset with which the largest of them across the rows is `KEPT_ROWS_PX`, s."""
 
 
 def shift_of(rig: StereoRig, motion: Motion, points_left: Array) -> LateShift:
@@ -69,15 +74,18 @@ def motion_at(rig: StereoRig, motion: Motion, depth_m: float, noise: PixelNoise,
         shift_of(rig, motion, shared_plane(rig, depth_m)) if sized else LateShift(nothing, nothing, nothing)
     )
     along_px, most_along_px = float(there.along_px[0]), _largest(whole.along_px)
+    across_px, most_across_px = float(there.across_px[0]), _largest(whole.across_px)
     shift_px = abs(along_px if math.isnan(most_along_px) else most_along_px)
+    rows_px = abs(across_px if math.isnan(most_across_px) else most_across_px)
     return MotionAt(
         along_px,
-        float(there.across_px[0]),
+        across_px,
         float(there.depth_error_m[0]),
         most_along_px,
-        _largest(whole.across_px),
+        most_across_px,
         _largest(whole.depth_error_m),
-        abs(motion.time_offset_s) * noise.disparity_std_px / shift_px if shift_px else math.inf,
+        _time_for(noise.disparity_std_px, shift_px, motion),
+        _time_for(KEPT_ROWS_PX, rows_px, motion),
     )
 
 
@@ -96,6 +104,11 @@ def motion_remarks(found: MotionAt, depth_m: float) -> Iterator[Remark]:
             f"at Z = {depth_m * 1e3:g} mm the shift of {found.along_px:.4g} px leaves no disparity, and no "
             "depth",
         )
+
+
+def _time_for(kept_px: float, shift_px: float, motion: Motion) -> float:
+    """The time offset, s, with which a shift is `kept_px`: it grows with the time; infinite without one."""
+    return abs(motion.time_offset_s) * kept_px / shift_px if shift_px > _ROUNDING_PX else math.inf
 
 
 def _largest(values: Array) -> float:

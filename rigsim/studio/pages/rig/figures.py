@@ -10,7 +10,7 @@ from nicegui import ui
 from rigsim.api.calc.fact import Fact
 from rigsim.present.kit.format import length_mm
 from rigsim.studio.kit.latest import Latest
-from rigsim.studio.kit.numbers import MISSING, Number, notes, told_html
+from rigsim.studio.kit.numbers import MISSING, ShownNumber, notes, told_html
 from rigsim.studio.kit.session import Session
 from rigsim.studio.logic.numbers import PLACES, RigNumbers
 
@@ -54,9 +54,9 @@ def figures(session: Session, numbers: Latest[RigNumbers]) -> None:
             title = ui.html("", sanitize=False)
             badge = ui.html("", sanitize=False).props('aria-live="polite"')
         with ui.element("div").classes("rig-numbers"):
-            large = [(key, Number(name, key.replace("_", "-"))) for name, key in _LARGE]
+            large = [(key, ShownNumber(name, key.replace("_", "-"))) for name, key in _LARGE]
         with ui.element("div").classes("rig-numbers").style("margin-top:14px"):
-            small = [(key, Number(name, key.replace("_", "-"), small=True)) for name, key in _OF_RIG]
+            small = [(key, ShownNumber(name, key.replace("_", "-"), small=True)) for name, key in _OF_RIG]
         with ui.expansion("All numbers by distance").classes("w-full rig-more").props("dense"):
             table = ui.html("", sanitize=False).classes("rig-scroll")
 

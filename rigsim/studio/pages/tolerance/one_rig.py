@@ -9,7 +9,7 @@ from nicegui import ui
 from rigsim.present.kit.format import number, plain
 from rigsim.present.live.built import error_map
 from rigsim.studio.kit.latest import Latest
-from rigsim.studio.kit.numbers import Number, facts_table, notes, scrolling
+from rigsim.studio.kit.numbers import ShownNumber, facts_table, notes, scrolling
 from rigsim.studio.logic.tolerance import built
 
 _NUMBERS = (
@@ -35,13 +35,13 @@ class OneRig:
             self._badge = ui.html("", sanitize=False).classes("w-full").style("margin-bottom:10px")
             with ui.element("div").classes("rig-numbers"):
                 self._numbers = [
-                    (key, Number(name, testid, small=place > 1))
+                    (key, ShownNumber(name, testid, small=place > 1))
                     for place, (name, testid, key) in enumerate(_NUMBERS)
                 ]
             self._table = scrolling("Errors at distances").style("margin-top:14px")
         with ui.element("section").classes("rig-panel w-full").props('aria-label="Error map"'):
             self._where = ui.html("<h2>Depth error over the left image</h2>", sanitize=False)
-            self._map = ui.echart({"series": []}).classes("rig-chart rig-map").props('role="img"')
+            self._map = ui.echart({"series": []}).classes("rig-graph rig-map").props('role="img"')
             self._alone = scrolling("Each deviation alone")
 
     def follow(self) -> None:

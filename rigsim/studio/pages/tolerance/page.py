@@ -17,6 +17,8 @@ from rigsim.studio.pages.tolerance.ranked import Ranked
 from rigsim.studio.state import State
 from rigsim.study.tolerance.inputs import QUANTITIES
 
+_LATER_S = 1.0
+"""The first pair is a coarse one; a better one follows."""
 _CLASSES = {"": "machined", "printed": "printed", "calibrated": "calibrated"}
 
 
@@ -39,7 +41,7 @@ def build(session: Session) -> None:
                 _sliders(session)
             with ui.element("div").classes("rig-stack rig-last"):
                 _asked(session)
-            with ui.element("div").classes("rig-stack rig-beside"):
+            with ui.element("div").classes("rig-stack rig-second"):
                 one.place()
                 pair.place()
                 ranked.place()
@@ -50,6 +52,7 @@ def build(session: Session) -> None:
     session.when_resting(pair.rested)
     session.when_resting(ranked.rested)
     ranked.rested()
+    ui.timer(_LATER_S, pair.rested, once=True)
 
 
 def _sliders(session: Session) -> None:

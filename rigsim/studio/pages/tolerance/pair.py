@@ -29,7 +29,7 @@ class RowsPair:
         self._key = uuid.uuid4().hex
         self._share = 0.5
         self._wanted: PairRequest | None = None
-        self._drawn = (16, 9)
+        self._drawn: tuple[int, int] | None = None
         self._gone = False
         client = ui.context.client
         client.on_disconnect(lambda: renderer().release(self._key))
@@ -42,7 +42,7 @@ class RowsPair:
             self._said = ui.html("", sanitize=False).props('aria-live="polite"')
             with ui.element("div").classes("rig-pair"):
                 self._left = self._picture("Left", "var(--rig-left)")
-                self._right = self._picture("Right", "var(--rig-right)")
+                self._right = self._picture("Right", "var(--rig-right-text)")
             for image in (self._left, self._right):
                 image.on("mouse", self._look, throttle=_MOUSE_S)
             self._under = ui.label().classes("rig-soft").props("data-testid=rows-apart")
@@ -51,9 +51,9 @@ class RowsPair:
     def _picture(name: str, color: str) -> ui.interactive_image:
         with ui.element("figure").classes("rig-figure"):
             image = ui.interactive_image(_BLANK, events=["mousemove"])
-            image.props(f'alt="{name} picture of the built rig" data-testid=built-{name.lower()}').classes(
-                "w-full"
-            )
+            image.props(
+                f'data-alt="{name} picture of the built rig" data-testid=built-{name.lower()}'
+            ).classes("w-full")
             ui.html(f"<figcaption style='color:{color}'>{name}</figcaption>", sanitize=False)
         return image
 
@@ -90,14 +90,17 @@ class RowsPair:
         self._guide()
 
     def _look(self, event: events.GenericEventArguments) -> None:
-        self._share = min(max(float(event.args.get("image_y", 0)) / self._drawn[1], 0.0), 1.0)
-        self._guide()
+        if self._drawn is not None:
+            self._share = min(max(float(event.args.get("image_y", 0)) / self._drawn[1], 0.0), 1.0)
+            self._guide()
 
     def _guide(self) -> None:
         found = self._found()
+        self._under.set_text(guide_words(found, self._share))
+        if self._drawn is None:
+            return
         self._left.set_content(guide(found, self._share, self._drawn, right=False))
         self._right.set_content(guide(found, self._share, self._drawn, right=True))
-        self._under.set_text(guide_words(found, self._share))
 
     def _leave(self) -> None:
         self._gone = True

@@ -31,10 +31,16 @@ class Ranked:
             self._title = ui.html("<h2>What matters most</h2>", sanitize=False)
             self._stale = ui.html("", sanitize=False).props('aria-live="polite"')
             self._yield = ui.html("", sanitize=False).classes("w-full")
-            self._bars = ui.echart({"series": []}, renderer="svg").classes("rig-chart").props('role="img"')
+            self._bars = (
+                ui.echart({"series": []}, renderer="svg")
+                .classes("rig-graph")
+                .props('role="img" aria-label="What each quantity does, ranked"')
+            )
             self._needed = scrolling("What each quantity may be")
-            with ui.element("div").classes("rig-buttons").style("margin-top:12px"):
+            with ui.element("div").classes("rig-buttons").style("margin-top:12px") as self._actions:
                 action("tolerance.csv", self._download, icon="download")
+            for part in (self._bars, self._actions):
+                part.set_visibility(False)
 
     @property
     def _is_current(self) -> bool:
@@ -76,7 +82,8 @@ class Ranked:
     def _show(self, made: ranking.Ranking) -> None:
         name = self._session.state["class"] or built.CLASSES[0]
         self._title.set_content(f"<h2>What matters most in a {escape(name)} build</h2>")
-        self._bars.set_visibility(not made.fault)
+        for part in (self._bars, self._actions):
+            part.set_visibility(not made.fault)
         if made.fault:
             self._yield.set_content(notes(made.fault, ()))
             self._needed.set_content("")
