@@ -6,6 +6,7 @@ import json
 import math
 import random
 import shlex
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,9 @@ import pytest
 
 from rigsim.errors import RigsimError
 from rigsim.interop.formats.rig_toml import write_rig
+from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.presets import PRESETS
+from rigsim.rig.stereo import StereoRig
 from rigsim.studio.logic import command, lenses, scenes
 from rigsim.studio.logic.curves import curves_of
 from rigsim.studio.logic.numbers import PLACES, RigNumbers, numbers_of
@@ -215,3 +218,17 @@ def test_the_page_begins_with_a_rig_and_keeps_what_an_address_says() -> None:
     from_point = begin(State({"focal": "1200", "baseline": "150mm", "left": "980,500", "right": "910,500"}))
     assert not numbers_of(from_point).fault
     assert numbers_of(from_point).shown is not None
+
+
+def test_curves_of_lenses_that_distort_wait_for_the_hand_to_rest() -> None:
+    bent = replace(PRESETS["boards"].rig.left, distortion=BrownConrady(k1=-0.2, k2=0.05))
+    rig = StereoRig.rectified(bent, 0.12)
+    found = numbers_of(lenses.with_file(DEFAULTS, "bent.toml", write_rig(rig, "bent").encode()))
+    moving, resting = curves_of(found, resting=False), curves_of(found)
+    assert moving.overlap is None
+    assert moving.depth is not None
+    assert resting.depth is not None
+    assert resting.overlap is not None
+    np.testing.assert_array_equal(moving.depth.std_mm, resting.depth.std_mm)
+    assert np.isfinite(resting.depth.too_far_mm).all()
+    assert resting.overlap.share[-1] == pytest.approx(float(found.places["far"]["overlap_share"].value))
