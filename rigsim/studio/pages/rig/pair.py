@@ -65,7 +65,7 @@ class PairView:
         with ui.element("figure").classes("rig-figure"):
             image = ui.interactive_image(_BLANK, events=["mousemove"], cross=name == "Left")
             image.props(f"data-testid={testid}").classes("w-full")
-            dot = f"<span class=rig-dot style='background:{color}'></span>"
+            dot = f"<span class=rig-side style='background:{color}'></span>"
             ui.html(f"<figcaption>{dot}{name}</figcaption>", sanitize=False)
         # the picture inside has no alternative text of its own
         says = f"img => img.alt = '{name} picture'"
