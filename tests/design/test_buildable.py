@@ -157,3 +157,9 @@ def test_a_search_of_the_matcher_does_not_set_the_size() -> None:
     # overlap at 1.5 m: 0.5 x 2 tan 30 deg x 1.5 m = 0.866 m
     assert least is not None
     assert (least.width_px, least.baseline_m) == (142, pytest.approx(0.8660, abs=1e-4))
+
+
+def test_a_part_of_the_pixels_is_no_smaller_picture_of_the_same_view() -> None:
+    """Pixels of one pitch behind one lens: fewer of them see less, and nothing is said of a size."""
+    asked = {"range_m": (0.8, 1.2), "depth_error_mm": 1, "resolutions_px": (2448, 2048), "lenses_mm": 4}
+    assert rigsim.design(**asked, pixel_pitch_um=3.45, proof=False).least_size is None

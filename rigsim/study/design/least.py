@@ -32,9 +32,12 @@ def least_size(pick: Candidate, specification: Specification) -> LeastSize | Non
     the noise per pixel as it is.
 
     Returns:
-        The size; None where nothing limits the baseline.
+        The size; None where nothing limits the baseline, or pixels keep their pitch: fewer of them are then a
+        part of the picture, not the same view.
     """
     camera, sigma_d = pick.camera, disparity_std_px(specification.noise_px)
+    if camera.pitch_um is not None and not camera.sensor:
+        return None
     asked = [one for one in specification.asked_of(camera) if one.kind not in GATES]
     of_noise = [one for one in asked if one.kind in LOWER and one.kind != "min_baseline"]
     fixed = [one for one in asked if one.kind not in LOWER and one.kind != "max_disparity"]
