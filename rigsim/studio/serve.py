@@ -64,6 +64,7 @@ def serve(served: Served, ready: Callable[[str], None]) -> None:
         show_welcome_message=False,
         reconnect_timeout=20.0,  # a busy machine may be late; a tab that is gone is let go of after it
         uvicorn_logging_level="error",
+        ws_per_message_deflate=False,  # packing takes longer than a way of no length saves
     )
 
 

@@ -17,6 +17,7 @@ from rigsim import guard, interrupts
 _SERIAL = pickle.HIGHEST_PROTOCOL
 _STARTING = threading.Lock()
 _LAST_BREATH_S = 5.0
+_LESS_URGENT = 10
 _ONE_THREAD = "OPENBLAS_NUM_THREADS"  # threads that multiply small matrices only wait for those that draw
 
 
@@ -87,8 +88,10 @@ class Child:
 
 
 def begin() -> None:
-    """In a child: Ctrl-C is for the parent to handle, and what has no parent ends."""
+    """In a child: Ctrl-C is for the parent to handle, what has no parent ends, and the page comes first."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with contextlib.suppress(OSError):
+        os.nice(_LESS_URGENT)
     guard.end_with_parent()
 
 
