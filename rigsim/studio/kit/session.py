@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 
 from nicegui import ui
 
 from rigsim.studio.state import History, State
 
-_REST_S = 0.6
+_REST_S, _LOOK_S = 0.6, 0.1
 _ADDRESS_S = 0.15
 
 
@@ -28,7 +29,8 @@ class Session:
         self._history = History(state)
         self._watchers: list[Callable[[], None]] = []
         self._restored: list[Callable[[], None]] = []
-        self._rest = ui.timer(_REST_S, self._rested, active=False)
+        self._rest = ui.timer(_LOOK_S, self._rested, active=False)
+        self._moved_s = 0.0
         self._address = ui.timer(_ADDRESS_S, self._tell_address, active=False)
         self._at_rest: list[Callable[[], None]] = []
 
@@ -90,8 +92,8 @@ class Session:
     def _changed(self) -> None:
         for refresh in self._watchers:
             refresh()
+        self._moved_s = time.monotonic()
         for timer in (self._rest, self._address):
-            timer.deactivate()
             timer.activate()
 
     def _fill(self) -> None:
@@ -99,6 +101,8 @@ class Session:
             fill()
 
     def _rested(self) -> None:
+        if time.monotonic() - self._moved_s < _REST_S:
+            return
         self._rest.deactivate()
         self._history.rest()
         for do in self._at_rest:
