@@ -83,13 +83,12 @@ def _asked_title(result: SweepResult) -> str:
 
     n, n_met = len(result.rows), verdicts(result.requirements).count("met")
     if n_met < 2:
-        return f"The rig of the answer, and the best of the other {count(n - 1)}"
+        return f"The rig of the answer, and the nearest of the other {count(n - 1)}"
     others = "the other one" if n_met == 2 else f"others of the {count(n_met)}"
     if n_met >= _MOST_BEST:
         return f"The rig of the answer, and {others} that meet it"
-    return (
-        f"The rig of the answer, {others} that meet{'s' if n_met == 2 else ''} it, and the best of the rest"
-    )
+    meet = "meets" if n_met == 2 else "meet"
+    return f"The rig of the answer, {others} that {meet} it, and the nearest of the rest"
 
 
 @dataclass(frozen=True, slots=True)

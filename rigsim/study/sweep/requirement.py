@@ -124,24 +124,30 @@ def met_first(rows: pd.DataFrame, best: Sequence[int], held: Sequence[RowsHeld])
     )
 
 
+def nearest_first(best: Sequence[int], held: Sequence[RowsHeld]) -> tuple[int, ...]:
+    """The places of the rows by their worst error over its limit, the least first; those that show nothing at
+    a distance asked for come last, as they are ranked."""
+    over = {i: max(one.rows[i].error_mm / one.asked.error_mm for one in held) for i in best}
+    shows = {i: all(math.isfinite(one.rows[i].error_mm) for one in held) for i in best}
+    return tuple(sorted(best, key=lambda i: over[i] if shows[i] else math.inf))
+
+
 def nearest_miss(best: Sequence[int], held: Sequence[RowsHeld]) -> int | None:
     """Place of the row whose worst error over its limit is least, of those that show something."""
-    over = {
-        i: max(one.rows[i].error_mm / one.asked.error_mm for one in held)
-        for i in best
-        if all(math.isfinite(one.rows[i].error_mm) for one in held)
-    }
-    return min(over, key=lambda i: over[i]) if over else None
+    first = next(iter(nearest_first(best, held)), None)
+    if first is None or not all(math.isfinite(one.rows[first].error_mm) for one in held):
+        return None
+    return first
 
 
 def answer_first(rows: pd.DataFrame, best: Sequence[int], held: Sequence[RowsHeld]) -> tuple[int, ...]:
     """The places of the rows, best first; where something is asked the row to take or, where none is, the
-    one nearest to it, then the others that meet it, then the rest."""
+    one nearest to it, then the others that meet it, then the rest, the nearest to it first."""
     if not held:
         return tuple(best)
     taken = take(rows, best, held)
     first = nearest_miss(best, held) if taken is None else taken
-    order = [*([] if first is None else [first]), *met_first(rows, best, held), *best]
+    order = [*([] if first is None else [first]), *met_first(rows, best, held), *nearest_first(best, held)]
     return tuple(dict.fromkeys(order))
 
 

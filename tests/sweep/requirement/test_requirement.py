@@ -288,6 +288,13 @@ def test_a_shorter_one_that_covers_too_little_is_not_taken_and_that_is_said() ->
     ) in said
 
 
+def test_of_rows_that_miss_it_the_nearest_stand_first_however_they_are_ranked() -> None:
+    # 17.7, 23.6, 35.4 and 70.7 mm
+    result = asked(DepthRequirement(3000.0, 20.0), (50, 100, 150, 200))
+    assert verdicts(result.requirements) == ("not_met", "not_met", "not_met", "met")
+    assert answer_first(result.rows, (1, 3, 0, 2), result.requirements) == (3, 2, 1, 0)
+
+
 @pytest.mark.parametrize(
     ("required", "headline", "badge", "nearest"),
     [

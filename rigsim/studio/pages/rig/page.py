@@ -17,6 +17,7 @@ from rigsim.studio.pages.rig.figures import figures
 from rigsim.studio.pages.rig.pair import pair
 from rigsim.studio.pages.rig.proof import proof
 from rigsim.studio.pages.rig.space import space
+from rigsim.studio.pages.rig.take_away import files
 from rigsim.studio.pages.rig.views import views
 from rigsim.studio.state import State
 from rigsim.studio.words import OF_RIG
@@ -61,3 +62,4 @@ def build(session: Session) -> None:
                     pair(session, numbers, take)
                 views(session, numbers)
                 commands(session, numbers)
+                files(session, numbers)
