@@ -61,7 +61,7 @@ class SpaceView:
         ):
             self._scene.on(event, partial(self._hurry, fps), args=[])
         self._scene.on("init", js_handler=f"() => ({_SPARE})({self._scene.id})")
-        self._scene.classes("rig-space").props('data-testid=space aria-label="The scene in space"')
+        self._scene.classes("rig-space").props('data-testid=space role=img aria-label="The scene in space"')
         self._scene.move_camera(7.0, -6.2, 5.6, 0.9, 5.2, 0.1, duration=0)
         self._cameras: list[tuple[Any, CameraShape] | None] = [None, None]
         self._dots: list[Any] = []
