@@ -141,7 +141,7 @@ def _killed(page: Page, server: Server) -> None:
         page.until(lambda: "stopped" in page.text("pair-said"))
         said = True
     finally:
-        seconds = _pair(page, "152mm", "320x180") / 1e3
+        seconds = _pair(page, "152mm", "") / 1e3
         _tell(
             "kill -9 of the renderer while dragging",
             f"{'said' if said else 'unsaid'}, next after {seconds:.1f} s",

@@ -40,7 +40,7 @@ window.rigPair = async (label, text, drawn) => {
   const size = () => document.querySelector('[data-testid=pair-left]').getAttribute('data-drawn');
   const before = picture(), begin = performance.now();
   if (text) rigType(label, text);
-  await rigWait(() => picture() !== before && size() === drawn, 60000);
+  await rigWait(() => picture() !== before && (!drawn || size() === drawn), 60000);
   return performance.now() - begin;
 };
 window.rigDrag = (label, texts, testid, every, until) => {
