@@ -222,7 +222,7 @@ def _differ(page: Page, expected: dict[str, float | None]) -> list[str]:
 
 def _as_number(text: str | None) -> float | None:
     try:
-        return float(text or "")
+        return float(f"{float(text or ''):.15g}")  # the digits that the command line prints
     except ValueError:
         return None
 
