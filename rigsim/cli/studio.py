@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
@@ -38,10 +39,8 @@ def studio(
         raise InvalidRange(f"port {port}: must be between {_PORTS[0]} and {_PORTS[1]}")
     if rig is not None and preset is not None:
         raise InvalidRange("a rig's file and --preset both given: give one")
-    try:
-        import nicegui  # noqa: F401
-    except ImportError:
-        raise RigsimError("the page needs NiceGUI: pip install 'rigsim[studio]', or ./run studio") from None
+    if find_spec("nicegui") is None:
+        raise RigsimError("the page needs NiceGUI: pip install 'rigsim[studio]', or ./run studio")
 
     from rigsim.studio.begin import state_of
     from rigsim.studio.serve import Served, serve

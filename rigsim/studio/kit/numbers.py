@@ -9,10 +9,8 @@ from html import escape
 from nicegui import ui
 
 from rigsim.api.calc.fact import Fact
+from rigsim.present.kit.format import MISSING
 from rigsim.rig.remark import Remark
-
-MISSING = "–"
-"""In place of a number that there is none of."""
 
 
 class ShownNumber:

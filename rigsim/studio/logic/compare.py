@@ -10,6 +10,7 @@ from urllib.parse import parse_qsl
 from rigsim.api.calc.better import Rated, better, modes_of
 from rigsim.api.calc.fact import Fact
 from rigsim.errors import InvalidRange
+from rigsim.present.kit.format import MISSING
 from rigsim.studio.logic.faults import plain
 from rigsim.studio.logic.numbers import RigNumbers, numbers_of
 from rigsim.studio.state import State, read_state
@@ -113,7 +114,7 @@ def table(rigs: Sequence[Pinned]) -> list[ComparedQuantity]:
         if (place, key) == ("at", "depth_std") and not apart:
             continue  # it is the far end
         facts = [_fact(one.found, place, key) for one in rigs]
-        cells = tuple("–" if fact is None else fact.shown for fact in facts)
+        cells = tuple(MISSING if fact is None else fact.shown for fact in facts)
         unit = next((fact.unit for fact in facts if fact is not None), "")
         rows.append(ComparedQuantity(name, unit, cells, len(set(cells)) > 1, _best(facts, cells, better_is)))
     return rows
@@ -162,11 +163,11 @@ def _given(name: str, unit: str, cells: Sequence[str]) -> ComparedQuantity:
 
 
 def _baseline(found: RigNumbers) -> str:
-    return "–" if found.shown is None else f"{found.shown.rig.baseline_m * 1e3:.5g}"
+    return MISSING if found.shown is None else f"{found.shown.rig.baseline_m * 1e3:.5g}"
 
 
 def _size(found: RigNumbers) -> str:
-    return "–" if found.shown is None else f"{found.shown.rig.left.width}x{found.shown.rig.left.height}"
+    return MISSING if found.shown is None else f"{found.shown.rig.left.width}x{found.shown.rig.left.height}"
 
 
 def _best(facts: Sequence[Fact | None], cells: Sequence[str], better_is: str) -> int | None:

@@ -8,9 +8,9 @@ from html import escape
 from nicegui import ui
 
 from rigsim.api.calc.fact import Fact
-from rigsim.present.kit.format import length_mm
+from rigsim.present.kit.format import MISSING, length_mm
 from rigsim.studio.kit.latest import Latest
-from rigsim.studio.kit.numbers import MISSING, ShownNumber, notes, told_html
+from rigsim.studio.kit.numbers import ShownNumber, notes, told_html
 from rigsim.studio.kit.session import Session
 from rigsim.studio.logic.numbers import PLACES, RigNumbers
 
