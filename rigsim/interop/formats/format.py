@@ -2,13 +2,60 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from rigsim.errors import InvalidRig
 from rigsim.interop.formats.values import read_text
+from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
+
+
+@dataclass(frozen=True, slots=True)
+class File:
+    """A file of a calibration, as it was read."""
+
+    path: Path
+    """Where it is."""
+    text: str
+    """What it says; empty where it is binary."""
+    content: bytes = b""
+    """Its bytes, for what is no text."""
+
+    @property
+    def name(self) -> str:
+        """Its name without its folder."""
+        return self.path.name
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What a person says beside the files."""
+
+    size_px: tuple[int, int] | None = None
+    """Image size, width and height, px, for files that have none (``--rig-size``)."""
+    cameras: tuple[str, str] | None = None
+    """Which two of a file's cameras are left and right (``--rig-cameras``)."""
+    mode: str | None = None
+    """Which of a file's modes (``--rig-mode``)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A rig as its files describe it."""
+
+    rig: StereoRig
+    """The rig; its lengths are metres, or where `unit` is None the file's own numbers."""
+    unit: str | None = "m"
+    """The unit that the format, or the file, fixes; None where it says none (a board's squares)."""
+    remarks: tuple[Remark, ...] = ()
+    """What only the format can know to be odd: a size that was taken for granted, a camera left out."""
+
+
+def alone(knows: Callable[[str], bool]) -> Callable[[Sequence[File]], list[tuple[File, ...]]]:
+    """`Format.groups` of a format whose rigs are single files, known by their text."""
+    return lambda files: [(file,) for file in files if knows(file.text)]
 
 
 def _never(_: str) -> bool:
@@ -46,6 +93,11 @@ class Format:
     """Whether its `knows` holds for others' texts as well: it is asked last."""
     otherwise: tuple[str, ...] = ()
     """Endings of which it takes the files that no format knows."""
+    groups: Callable[[Sequence[File]], list[tuple[File, ...]]] | None = None
+    """The sets of these files that each make one rig of this format, known by content, in the order in which
+    `open` takes them."""
+    open: Callable[[tuple[File, ...], Asked], Found] | None = None
+    """The rig in one of `groups`' sets, or `InvalidRig` with one line that does not name the file."""
 
     def rig(self, path: Path) -> StereoRig:
         """The rig in the file at `path`.
