@@ -166,14 +166,6 @@ def test_bands_join_without_a_seam(slanted: Simulator, monkeypatch: pytest.Monke
     assert np.abs(banded.light - whole.light).mean() < 1e-4
 
 
-def test_distortion_cannot_be_rendered(slanted: Simulator):
-    from rigsim import BrownConrady
-
-    slanted.place(StereoRig.rectified(replace(LENS, lens=BrownConrady(k1=-0.1)), 0.1))
-    with pytest.raises(InvalidRig, match="distortion"):
-        slanted.render()
-
-
 def _light(simulator: Simulator) -> np.ndarray:
     return simulator.render(1).left.light
 
