@@ -11,7 +11,7 @@ Short form, two equal cameras::
     cy_px = 359.5
 
 Full form, any two cameras: ``[left]`` and ``[right]`` hold ``width_px, height_px, fx_px, fy_px,
-cx_px, cy_px`` and optionally ``[left.distortion]`` ``k1, k2, p1, p2, k3``, or ``model`` and its coefficients; ``[right_from_left]`` holds
+cx_px, cy_px`` and optionally ``[left.distortion]`` ``k1, k2, p1, p2, k3``; ``[right_from_left]`` holds
 ``R`` (3 x 3) or ``rotvec_deg``, and ``t_mm``. A lens of another model than Brown-Conrady's is named by
 ``model``, one of `rigsim.rig.lens.registry`, beside the coefficients of that model.
 
