@@ -196,7 +196,7 @@ def _split(words: list[str], *, of_matrix: bool = False) -> tuple[list[str], lis
             rest = list(words)
             rest.remove(own)
             return rest, [own]
-    for place in (len(words) - 1, *range(len(words) - 1)):
+    for place in reversed(range(len(words))):
         rest = [word for i, word in enumerate(words) if i != place]
         if words[place] in ("l", "r") and (not of_matrix or _role(rest) is not None):
             return rest, [words[place]]
