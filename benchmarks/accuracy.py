@@ -36,7 +36,7 @@ RIGS = {
     "forward": StereoRig(_PLAIN, _PLAIN, Pose.from_rotvec((0.01, 0.02, 0.03), (0.02, 0.01, -0.3))),
     "rolled": StereoRig(_PLAIN, _PLAIN, Pose.from_rotvec((0.0, -0.02, 0.3), (-0.12, 0.0, 0.0))),
     "unequal cameras": StereoRig(_PLAIN, _ODD, _TILTED),
-    "distorted": StereoRig(replace(_PLAIN, distortion=_LENS), replace(_ODD, distortion=_LENS), _TILTED),
+    "distorted": StereoRig(replace(_PLAIN, lens=_LENS), replace(_ODD, lens=_LENS), _TILTED),
 }
 
 

@@ -241,7 +241,7 @@ def _truth_of(matches: BoardMatches, truth: dict[tuple[str, int, int], Array]) -
 def distortion(blur: float) -> tuple[float, float]:
     """rms px of the corners in a distorted picture, and in that picture rectified."""
     camera = Intrinsics(640, 480, 450.0, 452.0, 318.2, 241.7, BrownConrady(-0.25, 0.08, 0.001, -0.0008))
-    plain = replace(camera, distortion=None)
+    plain = replace(camera, lens=None)
     wide = wider_intrinsics(camera, 2)
     shapes = [
         board_homography(place, square, roll=roll, tilt=0.0)

@@ -21,7 +21,7 @@ from rigsim.study.tolerance.rows import first_order_rows
 from rigsim.study.tolerance.sensitivities import shared_points
 
 _LENS = Intrinsics.from_focal(1280, 720, 900.0)
-_BENT = replace(_LENS, distortion=BrownConrady(k1=-0.12, k2=0.03, p1=0.001, p2=-0.0015))
+_BENT = replace(_LENS, lens=BrownConrady(k1=-0.12, k2=0.03, p1=0.001, p2=-0.0015))
 _OTHER = replace(_BENT, fx=905.0, fy=901.0, cx=652.0, cy=351.0)
 RIGS = {
     "rectified": StereoRig.rectified(_LENS, 0.12),
@@ -143,9 +143,9 @@ def _off_by(rig: StereoRig, key: str, amount: float) -> StereoRig:
 def _with_k1(rig: StereoRig, which: str, amount: float) -> StereoRig:
     cameras = []
     for side, lens in (("left", rig.left), ("right", rig.right)):
-        bent = lens.distortion or BrownConrady()
+        bent = lens.lens or BrownConrady()
         more = amount if which in (side, "both") else 0.0
-        cameras.append(replace(lens, distortion=replace(bent, k1=bent.k1 + more)))
+        cameras.append(replace(lens, lens=replace(bent, k1=bent.k1 + more)))
     return StereoRig(*cameras, rig.right_from_left)
 
 

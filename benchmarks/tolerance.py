@@ -20,7 +20,7 @@ from rigsim.study.tolerance.sensitivities import CLASSES, BuildRequirement, caus
 from rigsim.theory.triangulation import triangulate
 
 _LENS = Intrinsics.from_focal(1280, 720, 900.0)
-_BENT = replace(_LENS, distortion=BrownConrady(k1=-0.12, k2=0.03, p1=0.001, p2=-0.0015))
+_BENT = replace(_LENS, lens=BrownConrady(k1=-0.12, k2=0.03, p1=0.001, p2=-0.0015))
 RIGS = {
     "rectified": StereoRig.rectified(_LENS, 0.12),
     "verged by 10 deg": StereoRig.verged(_LENS, 0.12, 10.0),

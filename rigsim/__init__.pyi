@@ -20,6 +20,12 @@ from .api.verify import verify as verify
 from .errors import RigsimError as RigsimError
 from .rig.intrinsics import Intrinsics as Intrinsics
 from .rig.lens.distortion import BrownConrady as BrownConrady
+from .rig.lens.double_sphere import DoubleSphere as DoubleSphere
+from .rig.lens.eucm import Eucm as Eucm
+from .rig.lens.fov import FieldOfView as FieldOfView
+from .rig.lens.kannala_brandt import KannalaBrandt as KannalaBrandt
+from .rig.lens.mei import Mei as Mei
+from .rig.lens.rational import Rational as Rational
 from .rig.motion import Motion as Motion
 from .rig.noise import PixelNoise as PixelNoise
 from .rig.observations import Observations as Observations

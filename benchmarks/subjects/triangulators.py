@@ -42,7 +42,7 @@ def calibration(rig: StereoRig) -> Calibration:
 
 
 def coefficients(camera: Intrinsics) -> Array:
-    lens = camera.distortion
+    lens = camera.lens
     return np.zeros(5) if lens is None else np.array([lens.k1, lens.k2, lens.p1, lens.p2, lens.k3])
 
 

@@ -21,7 +21,7 @@ SCENES = ("boards", "branch", "artifact", "corridor", "bin")
 SEEDS = 40
 _LENS = Intrinsics(640, 480, 500.0, 500.0, 319.5, 239.5)
 _WIDE = Intrinsics(640, 480, 260.0, 260.0, 319.5, 239.5, BrownConrady(k1=-0.2, k2=0.03))
-_BENT = replace(_LENS, distortion=BrownConrady(k1=-0.3, k2=0.1, p1=0.001, p2=-0.002))
+_BENT = replace(_LENS, lens=BrownConrady(k1=-0.3, k2=0.1, p1=0.001, p2=-0.002))
 
 
 def _zoomed(factor: float) -> Intrinsics:
@@ -66,7 +66,7 @@ def count(seeds: int) -> int:
                 for i, (name, (rig, noise)) in enumerate(rigs().items()):
                     if SCENES[(seed + i) % len(SCENES)] != scene:
                         continue
-                    measured = (seed + i) % 10 == 0 and rig.left.distortion is None
+                    measured = (seed + i) % 10 == 0 and rig.left.lens is None
                     agreement = _agreement(rig, _plan(scene, noise, seed, measured), simulator)
                     kinds[agreement.kind] += 1
                     if agreement.kind != "agrees":

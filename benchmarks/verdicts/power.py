@@ -30,8 +30,8 @@ SCENE = "boards"
 RIG = preset("boards").rig
 DOFFS = replace(RIG, right=replace(RIG.right, cx=RIG.right.cx + 6))
 BENT = StereoRig(
-    replace(RIG.left, distortion=BrownConrady(k1=-0.05)),
-    replace(RIG.right, distortion=BrownConrady(k1=-0.05)),
+    replace(RIG.left, lens=BrownConrady(k1=-0.05)),
+    replace(RIG.right, lens=BrownConrady(k1=-0.05)),
     RIG.right_from_left,
 )
 
@@ -59,7 +59,7 @@ def _longer(rig: StereoRig) -> StereoRig:
 
 
 def _straight(rig: StereoRig) -> StereoRig:
-    return replace(rig, left=replace(rig.left, distortion=None), right=replace(rig.right, distortion=None))
+    return replace(rig, left=replace(rig.left, lens=None), right=replace(rig.right, lens=None))
 
 
 def _noisy(uv_left: Array, uv_right: Array) -> tuple[Array, Array]:

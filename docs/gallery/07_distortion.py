@@ -13,7 +13,7 @@ import numpy as np
 import rigsim
 
 pinhole = rigsim.Intrinsics.from_hfov(1280, 960, hfov_deg=70)
-lens = replace(pinhole, distortion=rigsim.BrownConrady(k1=-0.1))
+lens = replace(pinhole, lens=rigsim.BrownConrady(k1=-0.1))
 true = rigsim.StereoRig.rectified(lens, baseline_m=0.12)
 assumed = rigsim.StereoRig.rectified(pinhole, baseline_m=0.12)
 

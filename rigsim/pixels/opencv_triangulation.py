@@ -47,9 +47,9 @@ def triangulate_cv2(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
 
 
 def _coefficients(lens: Intrinsics) -> Array | None:
-    if lens.distortion is None:
+    if lens.lens is None:
         return None
     try:
-        return np.array(brown_of(lens.distortion, "OpenCV's undistortPoints").coefficients)
+        return np.array(brown_of(lens.lens, "OpenCV's undistortPoints").coefficients)
     except InvalidRig as error:
         raise TriangulatorError(f"triangulator 'cv2': {error}: use 'optimal'", "misused") from None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -25,6 +26,21 @@ def frozen(values: npt.ArrayLike, shape: tuple[int, ...] | None = None) -> Array
         array = array.reshape(shape)
     array.flags.writeable = False
     return array
+
+
+_ROWS = 4096
+"""Rows gone through at once: what is made of them on the way stays in the cache."""
+
+
+def by_rows(function: Callable[[Array], Array], values: Array, columns: int) -> Array:
+    """`function` of (..., K), row by row (..., `columns`), a cache-sized block at a time."""
+    if values.size <= _ROWS * values.shape[-1]:
+        return function(values)
+    flat = values.reshape(-1, values.shape[-1])
+    result = np.empty((len(flat), columns))
+    for start in range(0, len(flat), _ROWS):
+        result[start : start + _ROWS] = function(flat[start : start + _ROWS])
+    return result.reshape(*values.shape[:-1], columns)
 
 
 AnyImage: TypeAlias = npt.NDArray[Any]

@@ -14,13 +14,16 @@ import numpy.typing as npt
 
 from rigsim.errors import InvalidRig
 from rigsim.rig import given
-from rigsim.rig.arrays import Array, Mask
-from rigsim.rig.lens.lens import Lens
+from rigsim.rig.arrays import Array, Mask, by_rows
+from rigsim.rig.lens.lens import Lens, ahead, unit
+from rigsim.rig.lens.planar import PlanarLens, pinhole_jacobian
+
+_HALVINGS = 60
 
 
 @dataclass(frozen=True, slots=True)
 class Intrinsics:
-    """Pinhole camera ``u = fx x/z + cx``, ``v = fy y/z + cy`` with optional lens distortion.
+    """Camera with ``u = fx m_x + cx``, ``v = fy m_y + cy``: m is a pinhole's x/z, y/z, or what its lens says.
 
     Example:
         >>> import rigsim
@@ -41,8 +44,8 @@ class Intrinsics:
     """Principal point u, px (pixel centres are integers)."""
     cy: float
     """Principal point v, px."""
-    distortion: Lens | None = None
-    """Lens distortion; None is the ideal pinhole."""
+    lens: Lens | None = None
+    """Lens model; None is the ideal pinhole."""
 
     def __post_init__(self) -> None:
         for name, unknown in (("width", self.width), ("height", self.height)):
@@ -60,13 +63,13 @@ class Intrinsics:
             if not math.isfinite(value):
                 raise InvalidRig(f"principal point {name} {value:g} px: must be a finite number")
             object.__setattr__(self, name, value)
-        if self.distortion is not None:
-            lens: object = self.distortion
+        if self.lens is not None:
+            lens: object = self.lens
             if not isinstance(lens, Lens):
-                wanted = "a lens, as BrownConrady, or None: the lens distortion"
+                wanted = "a lens, as BrownConrady, or None: the lens model"
                 raise InvalidRig(f"{given.shown(lens)}: must be {wanted}")
             if lens.is_ideal:
-                object.__setattr__(self, "distortion", None)
+                object.__setattr__(self, "lens", None)
 
     @classmethod
     def from_focal(
@@ -77,7 +80,7 @@ class Intrinsics:
         *,
         cx: float | None = None,
         cy: float | None = None,
-        distortion: Lens | None = None,
+        lens: Lens | None = None,
     ) -> Intrinsics:
         """Square pixels and a focal length in px; the principal point defaults to the image's middle."""
         return cls(
@@ -87,7 +90,7 @@ class Intrinsics:
             focal_px,
             (given.real(width, "image width", InvalidRig) - 1) / 2 if cx is None else cx,
             (given.real(height, "image height", InvalidRig) - 1) / 2 if cy is None else cy,
-            distortion,
+            lens,
         )
 
     @classmethod
@@ -117,63 +120,108 @@ class Intrinsics:
 
     @property
     def hfov_deg(self) -> float:
-        """Horizontal field of view across the full image width, deg (ideal pinhole)."""
-        return math.degrees(
-            math.atan((self.cx + 0.5) / self.fx) + math.atan((self.width - 0.5 - self.cx) / self.fx)
-        )
+        """Horizontal field of view that the lens shows in the principal point's row, deg."""
+        if self.lens is None:
+            return math.degrees(
+                math.atan((self.cx + 0.5) / self.fx) + math.atan((self.width - 0.5 - self.cx) / self.fx)
+            )
+        return self._shown_deg(0, -0.5, self.width - 0.5)
 
     @property
     def vfov_deg(self) -> float:
-        """Vertical field of view across the full image height, deg (ideal pinhole)."""
-        return math.degrees(
-            math.atan((self.cy + 0.5) / self.fy) + math.atan((self.height - 0.5 - self.cy) / self.fy)
-        )
+        """Vertical field of view that the lens shows in the principal point's column, deg."""
+        if self.lens is None:
+            return math.degrees(
+                math.atan((self.cy + 0.5) / self.fy) + math.atan((self.height - 0.5 - self.cy) / self.fy)
+            )
+        return self._shown_deg(1, -0.5, self.height - 0.5)
+
+    def _shown_deg(self, axis: int, first_px: float, last_px: float) -> float:
+        """Angle, deg, between the outermost rays along u (0) or v (1) through the principal point."""
+        center = np.array([self.cx, self.cy])
+        ends = np.array([center, center])
+        ends[:, axis] = first_px, last_px
+        # towards the principal point until the lens shows something: a fisheye's circle may end in the image
+        shown, hidden = np.zeros(2), np.ones(2)
+        for step in range(_HALVINGS):
+            share = hidden if step == 0 else (shown + hidden) / 2
+            rays = self.ray(center + share[:, None] * (ends - center))
+            seen = np.isfinite(rays[:, 2])
+            shown, hidden = np.where(seen, share, shown), np.where(seen, hidden, share)
+            if step == 0 and seen.all():
+                break
+        rays = self.ray(center + shown[:, None] * (ends - center))
+        angles = np.degrees(np.arctan2(rays[:, axis], rays[:, 2]))
+        return float(angles[1] - angles[0])
 
     def project(self, points_camera: npt.ArrayLike) -> Array:
         """Project points (..., 3) m in the camera's frame to uv (..., 2) px.
 
-        NaN where z <= 0 or where the distorted lens shows nothing (`Lens.shows`).
+        NaN where the camera shows nothing: behind a pinhole, beyond a lens's field (`Lens.sees`).
         """
-        return self.denormalize(self._seen(np.asarray(points_camera, dtype=np.float64)))
+        points = np.asarray(points_camera, dtype=np.float64)
+        return by_rows(self._project, points, 2)
+
+    def ray(self, uv: npt.ArrayLike) -> Array:
+        """Unit rays (..., 3) in the camera's frame of pixels (..., 2); NaN where the lens shows nothing."""
+        return by_rows(self._ray, np.asarray(uv, dtype=np.float64), 3)
 
     def denormalize(self, normalized: npt.ArrayLike) -> Array:
         """Map undistorted normalised coordinates (..., 2) to pixels (..., 2)."""
         xy = np.asarray(normalized, dtype=np.float64)
-        if self.distortion is not None:
-            xy = self.distortion.distort(xy)
-        with np.errstate(over="ignore"):  # a point in the camera's own plane is infinitely far off
-            return xy * (self.fx, self.fy) + (self.cx, self.cy)
+        return self._pixels(xy if self.lens is None else self.lens.bent(xy))
 
     def normalize(self, uv: npt.ArrayLike) -> Array:
-        """Map pixels (..., 2) to undistorted normalised coordinates (x/z, y/z), (..., 2)."""
-        xy = (np.asarray(uv, dtype=np.float64) - (self.cx, self.cy)) / (self.fx, self.fy)
-        return xy if self.distortion is None else self.distortion.undistort(xy)
+        """Map pixels (..., 2) to undistorted normalised coordinates (x/z, y/z), (..., 2).
 
-    def jacobian(self, points_camera: Array) -> Array:
+        NaN where the lens shows nothing, or shows what is 90 degrees or more off its axis (see `ray`).
+        """
+        xy = self._image(np.asarray(uv, dtype=np.float64))
+        if self.lens is None:
+            return xy
+        if isinstance(self.lens, PlanarLens):
+            return self.lens.undistort(xy)
+        return by_rows(self._ahead, xy, 2)
+
+    def jacobian(self, points_camera: npt.ArrayLike) -> Array:
         """Derivative (..., 2, 3) px/m of `project` with respect to the point; NaN where that is."""
-        z = points_camera[..., 2]
-        normalized = self._seen(points_camera)
-        J = np.zeros((*points_camera.shape[:-1], 2, 3))
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            inverse_z = np.where(np.isfinite(normalized[..., 0]), 1 / z, np.nan)
-            J[..., 0, 0] = inverse_z
-            J[..., 1, 1] = inverse_z
-            J[..., 0, 2] = -normalized[..., 0] * inverse_z
-            J[..., 1, 2] = -normalized[..., 1] * inverse_z
-            if self.distortion is not None:
-                J = self.distortion.jacobian(normalized) @ J
+        points = np.asarray(points_camera, dtype=np.float64)
+        if self.lens is None:
+            with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+                J = pinhole_jacobian(points, self._straight(points))
+        else:
+            J = self.lens.jacobian(points)
         J[..., 0, :] *= self.fx
         J[..., 1, :] *= self.fy
         return J
 
-    def _seen(self, points_camera: Array) -> Array:
-        """Undistorted normalised coordinates (..., 2) of points (..., 3); NaN where the camera shows none."""
-        z = points_camera[..., 2:]
+    def _project(self, points: Array) -> Array:
+        return self._pixels(self._straight(points) if self.lens is None else self.lens.project(points))
+
+    def _ray(self, uv: Array) -> Array:
+        image = self._image(uv)
+        return unit(ahead(image)) if self.lens is None else self.lens.ray(image)
+
+    def _ahead(self, image: Array) -> Array:
+        assert self.lens is not None
+        rays = self.lens.ray(image)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(rays[..., 2:] > 0, rays[..., :2] / rays[..., 2:], np.nan)
+
+    def _image(self, uv: Array) -> Array:
+        """Coordinates without units (..., 2) of pixels."""
+        return np.asarray((uv - (self.cx, self.cy)) / (self.fx, self.fy))
+
+    def _pixels(self, image: Array) -> Array:
+        with np.errstate(over="ignore"):  # a point in the camera's own plane is infinitely far off
+            return np.asarray(image * (self.fx, self.fy) + (self.cx, self.cy))
+
+    @staticmethod
+    def _straight(points: Array) -> Array:
+        """x/z and y/z (..., 2) of points (..., 3); NaN where z <= 0."""
+        z = points[..., 2:]
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            normalized = np.where(z > 0, points_camera[..., :2] / z, np.nan)
-            if self.distortion is not None:
-                normalized = np.where(self.distortion.shows(normalized)[..., None], normalized, np.nan)
-        return normalized
+            return np.where(z > 0, points[..., :2] / z, np.nan)
 
     def supersampled(self, k: int) -> Intrinsics:
         """The same camera with k x k pixels in the place of one; averaged, they are the old pixel."""

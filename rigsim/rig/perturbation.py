@@ -67,13 +67,13 @@ class Perturbation:
     def apply(self, rig: StereoRig) -> StereoRig:
         """The true rig, when `rig` is the assumed one."""
         return StereoRig(
-            replace(rig.left, distortion=with_k1(rig.left.distortion, self.both_k1)),
+            replace(rig.left, lens=with_k1(rig.left.lens, self.both_k1)),
             replace(
                 rig.right,
                 fx=rig.right.fx + self.right_focal_px,
                 fy=rig.right.fy + self.right_focal_px,
                 cx=rig.right.cx + self.right_cx_px,
-                distortion=with_k1(rig.right.distortion, self.both_k1, self.right_k1),
+                lens=with_k1(rig.right.lens, self.both_k1, self.right_k1),
             ),
             self.pose(rig),
         )

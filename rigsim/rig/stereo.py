@@ -104,8 +104,8 @@ class StereoRig:
             and left.fx == right.fx
             and left.fy == right.fy
             and left.cy == right.cy
-            and left.distortion is None
-            and right.distortion is None
+            and left.lens is None
+            and right.lens is None
         )
 
     @property

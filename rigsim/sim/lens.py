@@ -15,6 +15,7 @@ import numpy as np
 from rigsim.errors import InvalidImage, InvalidRig
 from rigsim.rig.arrays import AnyImage, Array
 from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.lens.lens import ahead
 
 _MARGIN_PX = 8.0  # for the lens blur and the spline's reach
 _MAX_WIDENING = 3.0
@@ -121,9 +122,9 @@ def ideal_grid(intrinsics: Intrinsics) -> Array:
 def _undistorted_grid(intrinsics: Intrinsics) -> tuple[Array, Array]:
     """Ideal coordinates (H, W, 2) of every pixel, and their derivative (H, W, 2, 2) by distorted ones."""
     ideal = ideal_grid(intrinsics)
-    if intrinsics.distortion is None:
+    if intrinsics.lens is None:
         return ideal, np.broadcast_to(np.eye(2), (*ideal.shape, 2))
-    J = intrinsics.distortion.jacobian(ideal)
+    J = intrinsics.lens.jacobian(ahead(ideal))[..., :2]
     determinant = J[..., 0, 0] * J[..., 1, 1] - J[..., 0, 1] * J[..., 1, 0]
     inverse = np.empty_like(J)
     inverse[..., 0, 0], inverse[..., 1, 1] = J[..., 1, 1], J[..., 0, 0]

@@ -34,7 +34,7 @@ def pinhole_of(camera: Intrinsics) -> Intrinsics:
     Raises:
         InvalidRig: the distortion folds the picture over, or needs more than three times its width.
     """
-    return camera if camera.distortion is None else wider_intrinsics(camera, 1, margin_px=_MARGIN_PX)
+    return camera if camera.lens is None else wider_intrinsics(camera, 1, margin_px=_MARGIN_PX)
 
 
 def light(scene: Scene, renderer: Renderer, side: int) -> Light:
@@ -44,7 +44,7 @@ def light(scene: Scene, renderer: Renderer, side: int) -> Light:
         InvalidRig: as `pinhole_of`.
     """
     camera = scene.lens(side)
-    if renderer.bends or camera.distortion is None:
+    if renderer.bends or camera.lens is None:
         return renderer.light(side, camera, 1)
     drawn = renderer.light(side, pinhole_of(camera), 1)
     at, weights = _lookup(camera)

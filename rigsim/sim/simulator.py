@@ -125,7 +125,7 @@ class Simulator:
         from rigsim.sim.truth import rays
 
         rig = self._placed()
-        distorted = any(lens.distortion is not None for lens in (rig.left, rig.right))
+        distorted = any(lens.lens is not None for lens in (rig.left, rig.right))
         if lenses is None and distorted:
             raise InvalidRig("lens distortion cannot be drawn: give the pinholes to draw with")
         drawn = lenses or (rig.left, rig.right)
@@ -219,7 +219,7 @@ class Simulator:
         """
         rig = self._placed()
         renderer = self._renderer_of((rig.left, rig.right), supersample)
-        if self.backend != "rays" and rig.left.distortion is None and rig.right.distortion is None:
+        if self.backend != "rays" and rig.left.lens is None and rig.right.lens is None:
             self._drawn_depth(renderer)
 
     def _renderer_of(self, drawn: tuple[Intrinsics, Intrinsics], supersample: int) -> Renderer:

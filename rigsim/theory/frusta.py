@@ -36,7 +36,7 @@ class Shared:
 
 def shared_view(rig: StereoRig, inverse_depth: float) -> Shared:
     """What both images show of the plane at Z = 1 / `inverse_depth` (1/m); at infinity when 0."""
-    if rig.left.distortion is None and rig.right.distortion is None:
+    if rig.left.lens is None and rig.right.lens is None:
         return next(_shared_by_pinholes(rig, np.array([inverse_depth])))
     kept: list[Array] = []
     area = 0.0
@@ -59,7 +59,7 @@ def shared_view(rig: StereoRig, inverse_depth: float) -> Shared:
 
 def shared_shares(rig: StereoRig, inverse_depths: Array) -> Array:
     """The shares (N,) of the left image that the right one shows too, at 1 / `inverse_depths` (N,) 1/m."""
-    if rig.left.distortion is None and rig.right.distortion is None:
+    if rig.left.lens is None and rig.right.lens is None:
         return np.array([shared.share for shared in _shared_by_pinholes(rig, inverse_depths)])
     return np.array([shared_view(rig, float(inverse)).share for inverse in inverse_depths])
 
@@ -84,7 +84,7 @@ def outline(camera: Intrinsics) -> Array:
     """
     u, v = (-0.5, camera.width - 0.5), (-0.5, camera.height - 0.5)
     corners = np.array([(u[0], v[0]), (u[1], v[0]), (u[1], v[1]), (u[0], v[1])])
-    if camera.distortion is not None:
+    if camera.lens is not None:
         along = np.linspace(0, 1, _PER_SIDE, endpoint=False)[:, None]
         ends = np.roll(corners, -1, axis=0)
         corners = np.concatenate([a + along * (b - a) for a, b in zip(corners, ends, strict=True)])
@@ -164,7 +164,7 @@ def _seen_right(rig: StereoRig, uv_left: Array, inverse_depth: Array | float) ->
     rays = rig.left.normalize(uv_left)
     rays = np.concatenate([rays, np.ones((*rays.shape[:-1], 1))], axis=-1)
     points = rays @ rig.right_from_left.R.T + rig.right_from_left.t * inverse_depth
-    if rig.right.distortion is None:
+    if rig.right.lens is None:
         return np.asarray(points @ rig.right.K.T)
     with np.errstate(invalid="ignore"):
         uv = rig.right.project(points)

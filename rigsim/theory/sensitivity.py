@@ -84,7 +84,7 @@ def pixel_moves(rig: StereoRig, points: Array) -> dict[str, Array]:
 
 def _k1_motion(camera: Intrinsics, points_camera: Array) -> Array:
     """Derivative (N, 2) px of the projection in k1, ``f x r^2``; NaN for a lens that has none."""
-    if not are_brown(camera.distortion):
+    if not are_brown(camera.lens):
         return np.full((len(points_camera), 2), np.nan)
     ideal = Intrinsics(1, 1, 1.0, 1.0, 0.0, 0.0).project(points_camera)
     unit = BrownConrady(k1=1.0).distort(ideal) - ideal

@@ -77,9 +77,9 @@ def optimal(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
     """
     if rig.is_rectified:
         return triangulate_rectified(rig, uv_left, uv_right)
-    if rig.left.distortion is None and rig.right.distortion is None:
+    if rig.left.lens is None and rig.right.lens is None:
         return triangulate_lindstrom(rig, uv_left, uv_right)
-    pinhole = replace(rig, left=replace(rig.left, distortion=None), right=replace(rig.right, distortion=None))
+    pinhole = replace(rig, left=replace(rig.left, lens=None), right=replace(rig.right, lens=None))
     start = triangulate_lindstrom(pinhole, _undistorted(rig.left, uv_left), _undistorted(rig.right, uv_right))
     return refine(rig, start, uv_left, uv_right)
 

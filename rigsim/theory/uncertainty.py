@@ -158,7 +158,7 @@ def parallax_px(rig: StereoRig, points_left: npt.ArrayLike) -> Array:
     with np.errstate(all="ignore"):
         away = np.where(motion.infinity_depth <= 0, 0.0, motion.infinity_depth)
         ideal = np.asarray(motion.speed / (motion.depth_right * away))
-        if rig.right.distortion is None:
+        if rig.right.lens is None:
             return ideal
         end = rig.right.project(points @ rig.right_from_left.R.T)
         seen = np.linalg.norm(rig.project(points)[1] - end, axis=1)

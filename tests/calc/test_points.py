@@ -91,8 +91,8 @@ def test_a_toed_in_distorted_rig_against_opencv() -> None:
     noisy = uv + np.random.default_rng(2).normal(0, 0.05, uv.shape)
     rays = []
     for lens, pixels in zip((TOED.left, TOED.right), (noisy[:, :2], noisy[:, 2:]), strict=True):
-        assert isinstance(lens.distortion, rigsim.BrownConrady)
-        bent = lens.distortion
+        assert isinstance(lens.lens, rigsim.BrownConrady)
+        bent = lens.lens
         lens_k = np.array([bent.k1, bent.k2, bent.p1, bent.p2, bent.k3])
         K = np.array([[lens.fx, 0, lens.cx], [0, lens.fy, lens.cy], [0, 0, 1]])
         rays.append(cv2.undistortPoints(pixels[:, None], K, lens_k)[:, 0])

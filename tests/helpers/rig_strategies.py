@@ -47,7 +47,7 @@ def rigs(
     turn = Pose.from_rotvec([draw(_within(angle_rad)) for _ in range(3)])
     length = draw(st.floats(0.005, 5.0))
     if sideways:
-        right = Intrinsics(left.width, left.height, right.fx, right.fy, right.cx, right.cy, right.distortion)
+        right = Intrinsics(left.width, left.height, right.fx, right.fy, right.cx, right.cy, right.lens)
         centre = np.array([1.0, draw(_within(0.2)), draw(_within(0.2))])
     else:
         centre = np.array([draw(st.sampled_from([-1.0, 1.0])), draw(_within(1.0)), draw(_within(1.0))])
@@ -67,7 +67,7 @@ def same_lens(found: Intrinsics, expected: Intrinsics, tolerance: float = 1e-9) 
     for name in ("fx", "fy", "cx", "cy"):
         a, b = getattr(found, name), getattr(expected, name)
         assert abs(a - b) <= tolerance * max(1.0, abs(b)), (name, a, b)
-    assert found.distortion == expected.distortion
+    assert found.lens == expected.lens
 
 
 def same_rig(found: StereoRig, expected: StereoRig, tolerance: float = 1e-9) -> None:

@@ -29,8 +29,8 @@ RIGS: dict[str, StereoRig] = {
     "rolled": StereoRig(PLAIN, PLAIN, Pose.from_rotvec((0.0, -0.02, 0.3), (-0.12, 0.0, 0.0))),
     "unequal": StereoRig(PLAIN, ODD, Pose.from_rotvec((0.02, -0.05, 0.03), (-0.12, 0.01, 0.02))),
     "distorted": StereoRig(
-        replace(PLAIN, distortion=LENS),
-        replace(ODD, distortion=replace(LENS, k1=-0.08)),
+        replace(PLAIN, lens=LENS),
+        replace(ODD, lens=replace(LENS, k1=-0.08)),
         Pose.from_rotvec((0.02, -0.05, 0.03), (-0.12, 0.01, 0.02)),
     ),
 }

@@ -110,8 +110,8 @@ def test_what_cv2_writes_is_read(tmp_path: Path) -> None:
     storage.write("T", np.array([[-0.1], [0.0], [0.001]]))
     storage.release()
     rig = parse_opencv_yaml(path.read_text())
-    assert rig.left.distortion == BrownConrady(-0.1, 0.01, 1e-5, -2e-4)
-    assert rig.right.distortion is None
+    assert rig.left.lens == BrownConrady(-0.1, 0.01, 1e-5, -2e-4)
+    assert rig.right.lens is None
     np.testing.assert_allclose(rig.right_from_left.R, R, atol=1e-14)
     assert rig.right_from_left.t.tolist() == [-0.1, 0.0, 0.001]
 

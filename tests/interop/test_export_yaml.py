@@ -157,7 +157,7 @@ def test_a_rational_polynomial_without_its_terms_is_read() -> None:
     rational = left.replace("plumb_bob", "rational_polynomial").replace(
         "cols: 5\n  data: [0.0, 0.0, 0.0, 0.0, 0.0]", "cols: 8\n  data: [0.1, 0, 0, 0, 0.2, 0, 0, 0]"
     )
-    assert parse_camera_info(rational, right).left.distortion == BrownConrady(k1=0.1, k3=0.2)
+    assert parse_camera_info(rational, right).left.lens == BrownConrady(k1=0.1, k3=0.2)
 
 
 # --- Kalibr -------------------------------------------------------------------------------------
@@ -207,8 +207,8 @@ cam1:
   resolution: [752, 480]
 """
     rig = parse_camchain(text)
-    assert rig.left.distortion == BrownConrady(-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05)
-    assert rig.right.distortion is None
+    assert rig.left.lens == BrownConrady(-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05)
+    assert rig.right.lens is None
     assert rig.baseline_m == pytest.approx(0.1100778, abs=1e-6)
     # rounded rows are put right
     np.testing.assert_allclose(rig.right_from_left.R @ rig.right_from_left.R.T, np.eye(3), atol=1e-14)

@@ -494,7 +494,7 @@ class TestBadInput:
 
 def test_distorted_corners_pair_with_a_distorted_rig(pair: tuple[np.ndarray, np.ndarray]) -> None:
     # the pairing undistorts what it compares: strong distortion, and still every board finds itself
-    lens = replace(CAMERA, distortion=BrownConrady(-0.2, 0.05))
+    lens = replace(CAMERA, lens=BrownConrady(-0.2, 0.05))
     rig = StereoRig.rectified(lens, 0.06)
     boards = [find_boards(image, ROWS, COLS) for image in pair]
     distorted = [

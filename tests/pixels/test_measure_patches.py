@@ -320,7 +320,7 @@ def test_the_disparity_range_is_kept_to(pair: Pair) -> None:
 def test_any_rig_is_matched_along_its_epipolar_lines(
     vergence_deg: float, distortion: BrownConrady | None
 ) -> None:
-    lens = Intrinsics.from_focal(400, 300, 420.0, distortion=distortion)
+    lens = Intrinsics.from_focal(400, 300, 420.0, lens=distortion)
     rig = StereoRig.verged(lens, 0.12, vergence_deg)
     surface = {"normal": (0.25, -0.2, 1.0), "distance_m": 1.0}
     left, right = plane_pair(rig, 3, **surface)

@@ -80,7 +80,7 @@ def _turned_left(direction: np.ndarray) -> np.ndarray:
 
 
 def test_a_lens_that_cannot_be_undistorted_at_the_edge_is_drawn_as_a_pinhole() -> None:
-    folded = Intrinsics.from_focal(800, 600, 400.0, distortion=BrownConrady(k1=-0.6))
+    folded = Intrinsics.from_focal(800, 600, 400.0, lens=BrownConrady(k1=-0.6))
     camera = footprint(StereoRig.rectified(folded, 0.2)).left
     assert np.isfinite(camera.left_edge).all()
 

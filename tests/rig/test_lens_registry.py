@@ -23,11 +23,11 @@ from typing import ClassVar
 import numpy as np
 
 from rigsim.rig.arrays import Array
-from rigsim.rig.lens.lens import Lens
+from rigsim.rig.lens.planar import PlanarLens
 
 
 @dataclass(frozen=True, slots=True)
-class Division(Lens):
+class Division(PlanarLens):
     """One coefficient, k."""
 
     model: ClassVar[str] = "division"
@@ -51,7 +51,7 @@ class Division(Lens):
             root = np.sqrt(1 - 4 * self.k * np.sum(distorted**2, axis=-1, keepdims=True))
         return 2 * distorted / (1 + root)
 
-    def jacobian(self, normalized: Array) -> Array:
+    def slope(self, normalized: Array) -> Array:
         below = (1 + self.k * np.sum(normalized**2, axis=-1))[..., None, None]
         outer = normalized[..., :, None] * normalized[..., None, :]
         return np.eye(2) / below - 2 * self.k * outer / below**2
@@ -71,7 +71,7 @@ lens = rigsim.Intrinsics(640, 480, 300.0, 300.0, 319.5, 239.5, Division(0.25))
 said["seen"] = lens.project([[1.2, 1.6, 2.0], [2.2, 0.0, 1.0]]).tolist()
 said["ideal"] = lens.normalize([[559.5, 239.5], [623.0, 239.5]]).tolist()
 pose = rigsim.Pose.from_rotvec((0.02, -0.1, 0.03), (-0.2, 0.01, 0.0))
-rig = rigsim.StereoRig(lens, replace(lens, fx=320.0, distortion=Division(-0.1)), pose)
+rig = rigsim.StereoRig(lens, replace(lens, fx=320.0, lens=Division(-0.1)), pose)
 text = rigsim.write_rig(rig)
 said["text"] = text
 open("rig.toml", "w").write(text)
@@ -84,7 +84,7 @@ said["off_m"] = float(np.abs(found - points).max())
 
 rng = np.random.default_rng(5)
 noise = rigsim.PixelNoise(0.25)
-pinholes = replace(rig, left=replace(rig.left, distortion=None), right=replace(rig.right, distortion=None))
+pinholes = replace(rig, left=replace(rig.left, lens=None), right=replace(rig.right, lens=None))
 one = points[:1]
 for name, assumed in (("predicted", rig), ("of_pinholes", pinholes)):
     said[name] = float(np.sqrt(rigsim.predict_covariance(assumed, one, noise)[0, 2, 2]))
@@ -137,8 +137,8 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     lenses = folder / "rigsim" / "rig" / "lens"
     (lenses / "division.py").write_text(DIVISION, encoding="utf-8")
     text = (lenses / "registry.py").read_text(encoding="utf-8")
-    text = text.replace("import distortion\n", "import distortion, division\n", 1)
-    text = text.replace("(distortion.BrownConrady,)", "(distortion.BrownConrady, division.Division)", 1)
+    text = text.replace("import distortion, ", "import distortion, division, ", 1)
+    text = text.replace("fov.FieldOfView,", "fov.FieldOfView, division.Division,", 1)
     (lenses / "registry.py").write_text(text, encoding="utf-8")
     return folder
 
@@ -193,7 +193,10 @@ def test_what_has_another_lens_alone_says_so_in_one_line(said: dict[str, object]
     assert refused["tolerance"].endswith(
         ": lens division with k 0.25 has no k1: set the tolerances of k1 to 0"
     )
-    assert refused["model"] == "bad.toml: left.distortion.model 'fisheye': must be one of brown, division"
+    assert (
+        refused["model"] == "bad.toml: left.distortion.model 'fisheye': must be one of brown, rational, "
+        "kannala_brandt, mei, double_sphere, eucm, fov, division"
+    )
     assert refused["key"] == "bad.toml: unknown key left.distortion.k1: must be one of k, model"
     assert refused["term"] == "bad.toml: left.distortion.k is missing: add it"
 

@@ -65,7 +65,7 @@ def test_nothing_is_seen_beyond_the_fold_of_a_lens() -> None:
     ideal = lens.undistort(np.array([[0.7, 0.0], [0.72, 0.0], [np.nan, 0.0]]))
     close(ideal[0], [1.0, 0.0])
     assert np.isnan(ideal[1:]).all()
-    camera = Intrinsics.from_focal(640, 480, 300.0, distortion=lens)
+    camera = Intrinsics.from_focal(640, 480, 300.0, lens=lens)
     uv = camera.project([[1.05, 0.0, 1.0], [1.06, 0.0, 1.0], [1.8, 0.0, 1.0]])
     assert camera.contains(uv).tolist() == [True, False, False]
 
@@ -95,7 +95,7 @@ def test_random_lenses_are_inverted_wherever_they_show(tangential: float) -> Non
     for _ in range(60):
         k1, k2, k3 = rng.uniform(-0.5, 0.5, 3)
         lens = BrownConrady(k1, k2, *rng.uniform(-tangential, tangential, 2), k3)
-        camera = Intrinsics.from_focal(1280, 720, float(rng.uniform(300, 2000)), distortion=lens)
+        camera = Intrinsics.from_focal(1280, 720, float(rng.uniform(300, 2000)), lens=lens)
         radius = min(math.sqrt(lens.fold_radius2), 3.0) * np.sqrt(rng.random(1000))
         angle = rng.uniform(0, 2 * np.pi, 1000)
         points = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.ones(1000)], axis=1)
@@ -137,15 +137,15 @@ def test_p1_and_p2_may_fold_what_the_radial_terms_do_not() -> None:
 
 def test_the_slope_is_unknown_where_the_lens_shows_nothing() -> None:
     lens = BrownConrady(k1=-0.3)
-    camera = Intrinsics.from_focal(640, 480, 300.0, distortion=lens)
+    camera = Intrinsics.from_focal(640, 480, 300.0, lens=lens)
     points = np.array([[1.05, 0.0, 1.0], [1.06, 0.0, 1.0], [0.1, 0.1, -1.0]])
     assert np.isnan(camera.jacobian(points)).any(axis=(1, 2)).tolist() == [False, True, True]
     assert np.isnan(camera.project(points)).any(axis=1).tolist() == [False, True, True]
 
 
 def test_zero_distortion_is_no_distortion() -> None:
-    assert Intrinsics.from_focal(640, 480, 500.0, distortion=BrownConrady()).distortion is None
-    assert Intrinsics.from_focal(640, 480, 500.0, distortion=LENS).distortion == LENS
+    assert Intrinsics.from_focal(640, 480, 500.0, lens=BrownConrady()).lens is None
+    assert Intrinsics.from_focal(640, 480, 500.0, lens=LENS).lens == LENS
 
 
 def test_field_of_view_spans_the_outer_edges_of_the_pixels() -> None:

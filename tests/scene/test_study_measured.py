@@ -138,7 +138,7 @@ def test_bins_follow_the_true_depth(corners: MeasuredMatches):
 def test_a_lens_that_distorts_is_rectified_away(boards: Simulator):
     sensor = Sensor(blur_px=0.8, distortion=BrownConrady(k1=-0.2, k2=0.05))
     exposure = expose_pair(boards, RIG, sensor, 2)
-    assert exposure.cameras[0].distortion == sensor.distortion
+    assert exposure.cameras[0].lens == sensor.distortion
     assert exposure.rig is RIG
     taken = exposure.pictures(sensor, np.random.default_rng(1))
     row, _ = judged(measure("corners", boards, RIG, taken))
@@ -147,7 +147,7 @@ def test_a_lens_that_distorts_is_rectified_away(boards: Simulator):
 
 
 def test_two_distortions_are_refused(boards: Simulator):
-    lens = replace(RIG.left, distortion=BrownConrady(k1=-0.1))
+    lens = replace(RIG.left, lens=BrownConrady(k1=-0.1))
     rig = StereoRig.rectified(lens, 0.12)
     boards.place(rig)
     with pytest.raises(InvalidRig, match="both distort"):

@@ -350,7 +350,7 @@ class TestPresets:
 
 LENS = BrownConrady(-0.25, 0.08, 0.001, -0.0008)
 CAMERA = Intrinsics(320, 240, 225.0, 226.0, 158.6, 121.3, LENS)
-PINHOLE = replace(CAMERA, distortion=None)
+PINHOLE = replace(CAMERA, lens=None)
 ROWS, COLS = 4, 5
 PLACES = (((-0.42, -0.28), 0.06, 0.2), ((0.33, 0.25), 0.07, -0.4), ((0.4, -0.33), 0.05, 0.7))
 
@@ -407,7 +407,7 @@ class TestDistortion:
     def test_a_wrong_calibration_shows(self) -> None:
         wide = wider_intrinsics(CAMERA, 2)
         distorted = distort_image(wide_picture(wide, 1.0), wide, CAMERA)
-        wrong = replace(CAMERA, distortion=replace(LENS, k1=-0.24))
+        wrong = replace(CAMERA, lens=replace(LENS, k1=-0.24))
         assert 0.05 < rms_at(rectify_image(distorted, wrong, PINHOLE), PINHOLE) < 1.0
         shifted = replace(CAMERA, cx=CAMERA.cx + 0.5)
         assert 0.2 < rms_at(rectify_image(distorted, shifted, PINHOLE), PINHOLE) < 0.6
@@ -426,7 +426,7 @@ class TestDistortion:
     @pytest.mark.parametrize("supersample", [1, 2, 4])
     def test_the_wider_camera_sees_the_same_rays(self, supersample: int) -> None:
         wide = wider_intrinsics(CAMERA, supersample)
-        assert wide.distortion is None
+        assert wide.lens is None
         rim = np.array([[-0.5, -0.5], [319.5, -0.5], [319.5, 239.5], [-0.5, 239.5], [160, -0.5], [-0.5, 120]])
         ideal = CAMERA.normalize(rim)
         seen = wide.denormalize(ideal)
@@ -441,12 +441,12 @@ class TestDistortion:
 
     def test_barrel_needs_more_and_pincushion_less(self) -> None:
         barrel = wider_intrinsics(CAMERA, 1)
-        pincushion = wider_intrinsics(replace(CAMERA, distortion=BrownConrady(0.2)), 1)
+        pincushion = wider_intrinsics(replace(CAMERA, lens=BrownConrady(0.2)), 1)
         plain = wider_intrinsics(PINHOLE, 1)
         assert barrel.width > plain.width > pincushion.width
 
     def test_what_cannot_be_rendered_says_so(self) -> None:
-        folded = replace(CAMERA, distortion=BrownConrady(-1.2))
+        folded = replace(CAMERA, lens=BrownConrady(-1.2))
         with pytest.raises(InvalidRig, match="distortion folds within the picture"):
             wider_intrinsics(folded)
         with pytest.raises(InvalidRig, match="supersample 0: must be a whole number >= 1"):

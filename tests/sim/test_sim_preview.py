@@ -18,7 +18,7 @@ from tests.helpers.scenes import SLANTED, write
 
 LENS = Intrinsics(320, 180, 225.0, 230.0, 150.3, 91.8)
 RIG = StereoRig.verged(LENS, 0.2, 3.0, right=replace(LENS, cx=161.0))
-BENT = replace(LENS, distortion=BrownConrady(-0.2, 0.05, 0.001, -0.002))
+BENT = replace(LENS, lens=BrownConrady(-0.2, 0.05, 0.001, -0.002))
 BENT_RIG = StereoRig.rectified(BENT, 0.2)
 SHEET = """
 <mujoco>
@@ -155,7 +155,7 @@ def test_wrong_depth_is_found_in_the_first_draft(slanted: Simulator, monkeypatch
 
 
 def test_what_cannot_be_drawn_is_refused(slanted: Simulator) -> None:
-    folded = replace(LENS, distortion=BrownConrady(-2.0))
+    folded = replace(LENS, lens=BrownConrady(-2.0))
     slanted.place(StereoRig.rectified(folded, 0.2))
     with pytest.raises(InvalidRig, match="folds"):
         slanted.preview()

@@ -169,7 +169,7 @@ def test_bands_join_without_a_seam(slanted: Simulator, monkeypatch: pytest.Monke
 def test_distortion_cannot_be_rendered(slanted: Simulator):
     from rigsim import BrownConrady
 
-    slanted.place(StereoRig.rectified(replace(LENS, distortion=BrownConrady(k1=-0.1)), 0.1))
+    slanted.place(StereoRig.rectified(replace(LENS, lens=BrownConrady(k1=-0.1)), 0.1))
     with pytest.raises(InvalidRig, match="distortion"):
         slanted.render()
 

@@ -17,7 +17,7 @@ from tests.helpers.scenes import SLANTED, write
 
 LENS = Intrinsics.from_focal(1280, 720, 900.0)
 RIG = StereoRig.rectified(LENS, 0.12)
-BENT = replace(LENS, distortion=BrownConrady(-0.2, 0.05))
+BENT = replace(LENS, lens=BrownConrady(-0.2, 0.05))
 
 
 @pytest.fixture(scope="module")

@@ -325,7 +325,7 @@ def test_a_fault_of_ours_is_one_line_for_the_page_and_whole_in_the_terminal(
 
 
 def test_a_bent_rig_is_drawn(painter: Painter, scene: str) -> None:
-    lens = replace(RIG.left, distortion=BrownConrady(-0.2, 0.05))
+    lens = replace(RIG.left, lens=BrownConrady(-0.2, 0.05))
     bent = StereoRig.rectified(lens, 0.12)
     for request in (PairRequest(bent, scene, coarse=True), PairRequest(bent, scene)):
         pair = painter.answer(request)

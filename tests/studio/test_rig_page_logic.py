@@ -221,7 +221,7 @@ def test_the_page_begins_with_a_rig_and_keeps_what_an_address_says() -> None:
 
 
 def test_curves_of_lenses_that_distort_wait_for_the_hand_to_rest() -> None:
-    bent = replace(PRESETS["boards"].rig.left, distortion=BrownConrady(k1=-0.2, k2=0.05))
+    bent = replace(PRESETS["boards"].rig.left, lens=BrownConrady(k1=-0.2, k2=0.05))
     rig = StereoRig.rectified(bent, 0.12)
     found = numbers_of(lenses.with_file(DEFAULTS, "bent.toml", write_rig(rig, "bent").encode()))
     moving, resting = curves_of(found, resting=False), curves_of(found)

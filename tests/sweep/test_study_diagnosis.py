@@ -176,7 +176,7 @@ def test_doffs_ignored_is_named():
 
 VERGED = StereoRig.verged(LENS, 0.3, 8.0)
 UNEQUAL = StereoRig(
-    replace(LENS, distortion=BrownConrady(k1=-0.1)),
+    replace(LENS, lens=BrownConrady(k1=-0.1)),
     replace(LENS, fx=1300.0, fy=1310.0),
     StereoRig.verged(LENS, 0.2, 3.0).right_from_left,
 )

@@ -174,7 +174,7 @@ def test_the_blind_zone_of_distorted_lenses_ends_where_images_begin_to_share() -
 
 
 def test_distortion_moves_the_edges() -> None:
-    camera = replace(PLAIN, distortion=LENS)
+    camera = replace(PLAIN, lens=LENS)
     rig = StereoRig.rectified(camera, 0.1)
     corners = camera.normalize(np.array([[-0.5, -0.5], [-0.5, 959.5], [1279.5, -0.5], [1279.5, 959.5]]))
     widest = np.degrees(np.arctan(corners[:, 0].max()) - np.arctan(corners[:, 0].min()))
@@ -184,7 +184,7 @@ def test_distortion_moves_the_edges() -> None:
 
 def test_where_a_lens_shows_nothing_nothing_is_shared() -> None:
     # k1 -0.4 folds at a radius of 0.913 in x/z: an image circle of 0.913 (1 - 0.4 0.833) = 0.609, f 268.5
-    folded = replace(Intrinsics.from_hfov(640, 480, 100.0), distortion=BrownConrady(k1=-0.4))
+    folded = replace(Intrinsics.from_hfov(640, 480, 100.0), lens=BrownConrady(k1=-0.4))
     rig = StereoRig.rectified(folded, 0.1)
     share = overlap_at_depth(rig, 1e6).fraction
     close(share, math.pi * (0.6086 * 268.51) ** 2 / (640 * 480), atol=1e-3)

@@ -71,8 +71,8 @@ def pixels(rig: StereoRig, points: Array) -> Array:
     for camera, pose in ((rig.left, Pose()), (rig.right, rig.right_from_left)):
         P = np.einsum("ij,nj->ni", pose.R, points) + pose.t
         x, y = P[:, 0] / P[:, 2], P[:, 1] / P[:, 2]
-        if camera.distortion is not None:
-            lens, r2 = camera.distortion, x * x + y * y
+        if camera.lens is not None:
+            lens, r2 = camera.lens, x * x + y * y
             radial = 1 + lens.k1 * r2 + lens.k2 * r2**2 + lens.k3 * r2**3
             x, y = (
                 x * radial + 2 * lens.p1 * x * y + lens.p2 * (r2 + 2 * x * x),

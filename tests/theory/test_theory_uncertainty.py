@@ -295,7 +295,7 @@ def test_depth_in_sigmas_counts_both_lenses_and_correlation() -> None:
 
 def test_nothing_is_predicted_where_nothing_is_seen() -> None:
     # k1 = -.3 folds at r^2 = 1/.9: x/z = 1.06 is the last that neither camera shows, and behind is behind
-    lens = Intrinsics.from_focal(640, 480, 300.0, distortion=BrownConrady(k1=-0.3))
+    lens = Intrinsics.from_focal(640, 480, 300.0, lens=BrownConrady(k1=-0.3))
     rig = StereoRig.rectified(lens, 0.1)
     points = np.array([[0.2, 0.1, 2.0], [2.4, 0.0, 2.0], [-2.05, 0.0, 2.0], [0.0, 0.0, -1.0]])
     noise = PixelNoise(0.25)

@@ -226,7 +226,7 @@ def test_lost_rows_are_as_many_as_noise_must_lose_whatever_the_lenses(
 ) -> None:
     def lens(f: float) -> Intrinsics:
         own = None if bent is None else BrownConrady(k1=bent, k2=0.06)
-        return replace(Intrinsics.from_focal(1280, 960, f), distortion=own)
+        return replace(Intrinsics.from_focal(1280, 960, f), lens=own)
 
     rig = StereoRig.rectified(lens(left_f), 0.05, right=lens(right_f))
     far = Geometry("far", rig, (6.0, 40.0), noise_px=1.0)

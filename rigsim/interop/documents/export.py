@@ -98,5 +98,5 @@ def _rig(rig: StereoRig) -> ExportedRig:
         **seen_rig(rig).model_dump(),
         rectified=rig.is_rectified,
         doffs_px=clean(rig.doffs_px),
-        distorted=any(lens.distortion is not None for lens in (rig.left, rig.right)),
+        distorted=any(lens.lens is not None for lens in (rig.left, rig.right)),
     )

@@ -93,7 +93,7 @@ def parse_points(content: bytes, count: int) -> Array:
 
 
 def _camera(camera: Intrinsics) -> dict[str, object]:
-    lens = brown_of(camera.distortion, CALIBRATION)
+    lens = brown_of(camera.lens, CALIBRATION)
     return {
         "width_px": camera.width,
         "height_px": camera.height,

@@ -104,7 +104,7 @@ def parse_colmap(texts: Mapping[str, str]) -> StereoRig:
 
 
 def _camera_line(number: int, camera: Intrinsics) -> str:
-    d = brown_of(camera.distortion, "COLMAP's OPENCV camera")
+    d = brown_of(camera.lens, "COLMAP's OPENCV camera")
     params = [camera.fx, camera.fy, camera.cx + _HALF, camera.cy + _HALF]
     model = "PINHOLE"
     if not d.is_ideal:

@@ -42,7 +42,7 @@ def rig_xml(rig: StereoRig) -> str:
         InvalidRig: a lens distorts.
     """
     for side, camera in (("left", rig.left), ("right", rig.right)):
-        if camera.distortion is not None:
+        if camera.lens is not None:
             raise InvalidRig(f"{side} lens distorts: MuJoCo draws pinholes")
     body_from_left = Pose(REP103_FROM_RIG) @ rig.rig_from_left
     cameras = "\n".join(

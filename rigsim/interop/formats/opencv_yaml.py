@@ -96,7 +96,7 @@ def coefficients(camera: Intrinsics) -> Array:
     Raises:
         InvalidRig: its lens is another model.
     """
-    return np.array(brown_of(camera.distortion, "the file").coefficients)
+    return np.array(brown_of(camera.lens, "the file").coefficients)
 
 
 def rectified_matrices(rig: StereoRig) -> dict[str, Array]:

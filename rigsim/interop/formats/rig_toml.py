@@ -177,7 +177,7 @@ def _table(text: str) -> dict[str, object]:
 def _short_text(rig: StereoRig) -> str | None:
     """The short form nearest to `rig`, rounding undone; None when its cameras differ."""
     lens = rig.left
-    if lens != rig.right or lens.fx != lens.fy or lens.distortion is not None:
+    if lens != rig.right or lens.fx != lens.fy or lens.lens is not None:
         return None
     middle = Intrinsics.from_focal(lens.width, lens.height, lens.fx)
     vergence_deg = round(rig.vergence_deg, 9)
@@ -223,8 +223,8 @@ def _camera_lines(name: str, camera: Intrinsics) -> list[str]:
         f"cx_px = {camera.cx!r}",
         f"cy_px = {camera.cy!r}",
     ]
-    if camera.distortion is not None:
-        lines += _distortion_lines(name, camera.distortion)
+    if camera.lens is not None:
+        lines += _distortion_lines(name, camera.lens)
     return lines
 
 

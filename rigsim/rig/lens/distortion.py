@@ -11,15 +11,16 @@ from rigsim.errors import InvalidRig
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.lens import polynomial, undistortion
 from rigsim.rig.lens.lens import Lens
+from rigsim.rig.lens.planar import NearlyRadialLens
 
 
 @dataclass(frozen=True, slots=True)
-class BrownConrady(Lens):
+class BrownConrady(NearlyRadialLens):
     """Radial k1, k2, k3 and tangential p1, p2; all zero is the ideal pinhole. No units: x/z and y/z.
 
     Example:
         >>> import rigsim
-        >>> lens = rigsim.Intrinsics.from_focal(640, 480, 500.0, distortion=rigsim.BrownConrady(k1=-0.1))
+        >>> lens = rigsim.Intrinsics.from_focal(640, 480, 500.0, lens=rigsim.BrownConrady(k1=-0.1))
         >>> u, v = lens.project([[0.5, 0, 1.0]])[0]
         >>> round(float(u - lens.cx), 3)  # 500 * .5 * (1 - .1 * .25)
         243.75
@@ -54,9 +55,22 @@ class BrownConrady(Lens):
         """Map ideal (N, 2) to distorted (N, 2) normalised coordinates."""
         return polynomial.distort(self.coefficients, normalized)
 
-    def jacobian(self, normalized: Array) -> Array:
+    def slope(self, normalized: Array) -> Array:
         """Derivative (N, 2, 2) of `distort` with respect to the ideal coordinates."""
         return polynomial.jacobian(self.coefficients, normalized)
+
+    def radial(self, radius: Array) -> tuple[Array, Array]:
+        """As `NearlyRadialLens.radial`."""
+        return polynomial.radial(self.coefficients, radius)
+
+    @property
+    def is_radial(self) -> bool:
+        """As `NearlyRadialLens.is_radial`."""
+        return self.p1 == 0 and self.p2 == 0
+
+    def aside(self, radius: float) -> float:
+        """As `NearlyRadialLens.aside`: p1 and p2 move a point by up to 3 |p| r^2."""
+        return float(3 * np.hypot(self.p1, self.p2) * radius**2)
 
     def shows(self, normalized: Array) -> Mask:
         """Whether the lens shows ideal coordinates (..., 2): within the fold, and where p1 and p2 fold
@@ -64,7 +78,7 @@ class BrownConrady(Lens):
         x, y = normalized[..., 0], normalized[..., 1]
         r2 = x * x + y * y
         shown = np.asarray(r2 < self.fold_radius2)
-        if self.p1 == 0 and self.p2 == 0:
+        if self.is_radial:
             return shown
         shown = shown & polynomial.is_one_to_one(self.coefficients, normalized)
         for dip2 in undistortion.dips2(self):
@@ -72,10 +86,6 @@ class BrownConrady(Lens):
                 at_dip = normalized * np.sqrt(dip2 / r2)[..., None]
                 shown &= (r2 <= dip2) | polynomial.is_one_to_one(self.coefficients, at_dip)
         return shown
-
-    def undistort(self, distorted: Array) -> Array:
-        """Invert `distort` (..., 2) to rounding; NaN where the lens shows no ideal point."""
-        return undistortion.undistort(self, distorted)
 
 
 def are_brown(*lenses: Lens | None) -> bool:

@@ -15,10 +15,12 @@ from rigsim.rig.arrays import Array, Mask
 
 @dataclass(frozen=True, slots=True)
 class Lens(ABC):
-    """Where a lens shows a ray, in coordinates without units: ideal ``(x/z, y/z)`` to distorted ones.
+    """Where a lens shows a ray, without units: pixels are these image coordinates times fx, fy plus cx, cy.
 
     A model is a frozen, slotted dataclass whose fields are its coefficients, each a float. All that projects,
-    triangulates, predicts, draws, reads and writes asks these methods alone.
+    triangulates, predicts, draws, reads and writes asks these methods alone. Points are camera coordinates
+    (x right, y down, z forward) of any length: only their direction counts, which may be more than 90 degrees
+    off the axis.
     """
 
     model: ClassVar[str]
@@ -32,6 +34,13 @@ class Lens(ABC):
             if not np.isfinite(value):
                 raise InvalidRig(f"distortion {name} {value}: must be a finite number")
             object.__setattr__(self, name, value)
+        fault = self.fault()
+        if fault:
+            raise InvalidRig(f"distortion {fault}")
+
+    def fault(self) -> str:
+        """What is wrong with the coefficients, a phrase after "distortion"; empty where nothing is."""
+        return ""
 
     @classmethod
     def names(cls) -> tuple[str, ...]:
@@ -48,24 +57,36 @@ class Lens(ABC):
         """Whether it distorts nothing, and a pinhole may stand for it; a model that cannot tell says no."""
         return False
 
-    @property
-    def fold_radius2(self) -> float:
-        """Squared ideal radius at which the image turns back, or ends; infinite if it never does."""
-        return float(np.inf)
-
-    def shows(self, normalized: Array) -> Mask:
-        """Whether the lens shows ideal coordinates (..., 2); there `distort` is one to one."""
-        x, y = normalized[..., 0], normalized[..., 1]
-        return np.asarray(x * x + y * y < self.fold_radius2)
+    @abstractmethod
+    def sees(self, points: Array) -> Mask:
+        """Whether the lens shows points (..., 3); there `project` is one to one."""
 
     @abstractmethod
-    def distort(self, normalized: Array) -> Array:
-        """Map ideal (..., 2) to distorted (..., 2) coordinates."""
+    def project(self, points: Array) -> Array:
+        """Image coordinates (..., 2) of points (..., 3); NaN where the lens shows nothing."""
 
     @abstractmethod
-    def undistort(self, distorted: Array) -> Array:
-        """Invert `distort` (..., 2) to rounding; NaN where the lens shows no ideal point."""
+    def ray(self, image: Array) -> Array:
+        """Unit rays (..., 3) of image coordinates (..., 2), to rounding; NaN where the lens shows nothing."""
 
     @abstractmethod
-    def jacobian(self, normalized: Array) -> Array:
-        """Derivative (..., 2, 2) of `distort` with respect to the ideal coordinates."""
+    def jacobian(self, points: Array) -> Array:
+        """Derivative (..., 2, 3) of `project` with respect to the point; NaN where that is."""
+
+    def bent(self, normalized: Array) -> Array:
+        """Image coordinates (..., 2) of the rays ``(x, y, 1)``, those not shown included where it can be."""
+        return self.project(ahead(normalized))
+
+
+def ahead(normalized: Array) -> Array:
+    """The points ``(x, y, 1)`` of x/z and y/z (..., 2)."""
+    points = np.empty((*normalized.shape[:-1], 3))
+    points[..., :2] = normalized
+    points[..., 2] = 1.0
+    return points
+
+
+def unit(points: Array) -> Array:
+    """Unit vectors (..., 3) along points (..., 3)."""
+    x, y, z = points[..., 0], points[..., 1], points[..., 2]
+    return np.asarray(points / np.sqrt(x * x + y * y + z * z)[..., None])

@@ -52,25 +52,8 @@ def is_one_to_one(coefficients: Coefficients, normalized: Array) -> Mask:
     return np.asarray((a * b > c * c) & (a + b > 0))
 
 
-def newton_step(coefficients: Coefficients, ideal: Array, residual: Array) -> Array:
-    """``J^-1`` times `residual` (N, 2)."""
-    J = jacobian(coefficients, ideal)
-    a, b, c = J[:, 0, 0], J[:, 1, 1], J[:, 0, 1]
-    u, v = residual[:, 0], residual[:, 1]
-    return np.asarray(np.stack([b * u - c * v, a * v - c * u], axis=1) / (a * b - c * c)[:, None])
-
-
-def radial_steps(coefficients: Coefficients, target: Array, start: Array, steps: int) -> tuple[Array, Array]:
-    """Newton's method from the radii `start` (N,) to those whose radial polynomial is `target`.
-
-    Returns:
-        Radii (N,), and by how much their polynomial misses `target`.
-    """
+def radial(coefficients: Coefficients, radius: Array) -> tuple[Array, Array]:
+    """The radial polynomial of radii (N,), and its derivative."""
     k1, k2, _, _, k3 = coefficients
-    radius = start
-    for left in range(steps, -1, -1):
-        s = radius * radius
-        missed = radius * (1 + s * (k1 + s * (k2 + s * k3))) - target
-        if left:
-            radius = radius - missed / (1 + s * (3 * k1 + s * (5 * k2 + s * 7 * k3)))
-    return radius, missed
+    s = radius * radius
+    return radius * (1 + s * (k1 + s * (k2 + s * k3))), 1 + s * (3 * k1 + s * (5 * k2 + s * 7 * k3))

@@ -1,26 +1,24 @@
-"""Brown-Conrady lenses backwards: a bracketed root of the radial polynomial, then Newton in the plane."""
+"""Planar lenses backwards: a root of what is radial, then Newton in the plane."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.lens import polynomial
+from rigsim.rig.lens.roots import MET, QUICK_STEPS, SAFE_STEPS, growing_root, newton
 
 if TYPE_CHECKING:
     from rigsim.rig.lens.distortion import BrownConrady
+    from rigsim.rig.lens.planar import NearlyRadialLens
 
 _BLOCK = 8192
-_QUICK_STEPS = 4
-_SAFE_STEPS = 120
 _HALVINGS = 12
-_STILL = 4e-16
-_MET = 1e-14
 _BELOW_ONE = 1 - 1e-15
 """The fold itself is a double root: what is found there is held this much inside."""
 
@@ -62,16 +60,15 @@ def _quadratic_roots(a: float, b: float, c: float) -> list[float]:
     return [float(root) for root in roots if np.isfinite(root)]
 
 
-def undistort(lens: BrownConrady, distorted: Array) -> Array:
+def undistort(lens: NearlyRadialLens, distorted: Array) -> Array:
     """Ideal (..., 2) that `lens` maps to `distorted` (..., 2); NaN where it shows nothing there."""
     flat = np.asarray(distorted, dtype=np.float64).reshape(-1, 2)
     ideal = np.empty_like(flat)
-    tangential = lens.p1 != 0 or lens.p2 != 0
     with np.errstate(all="ignore"):
         for start in range(0, len(flat), _BLOCK):
             block = flat[start : start + _BLOCK]
-            found = _radial(lens, block, clamp=tangential)
-            ideal[start : start + _BLOCK] = _in_plane(lens, block, found) if tangential else found
+            found = _radial(lens, block)
+            ideal[start : start + _BLOCK] = found if lens.is_radial else _in_plane(lens, block, found)
     return ideal.reshape(np.shape(distorted))
 
 
@@ -83,14 +80,14 @@ def undistort_rows(lenses: Sequence[BrownConrady], counts: Sequence[int], distor
     plain = np.array([not dips2(lens) for lens in lenses], dtype=np.bool_)
     with np.errstate(all="ignore"):
         target = np.hypot(*distorted.T)
-        radius, missed = polynomial.radial_steps(coefficients, target, target, _QUICK_STEPS)
+        radius, missed = newton(partial(polynomial.radial, coefficients), target, target, QUICK_STEPS)
         ideal = distorted * np.where(target > 0, radius / target, 1.0)[:, None]
-        met = np.repeat(plain, counts) & (np.abs(missed) <= _MET * target) & (radius >= 0)
+        met = np.repeat(plain, counts) & (np.abs(missed) <= MET * target) & (radius >= 0)
         tangential = np.flatnonzero(rows[:, 2:4].any(axis=1))
         some: polynomial.Coefficients = tuple(rows[tangential].T)
         aim, found = distorted[tangential], ideal[tangential]
-        for _ in range(_QUICK_STEPS):
-            found -= polynomial.newton_step(some, found, polynomial.distort(some, found) - aim)
+        for _ in range(QUICK_STEPS):
+            found -= newton_step(polynomial.jacobian(some, found), polynomial.distort(some, found) - aim)
         residual = polynomial.distort(some, found) - aim
         met[tangential] &= _is_met(residual, aim) & polynomial.is_one_to_one(some, found)
         ideal[tangential] = found
@@ -103,64 +100,36 @@ def undistort_rows(lenses: Sequence[BrownConrady], counts: Sequence[int], distor
     return ideal
 
 
-def _radial(lens: BrownConrady, distorted: Array, clamp: bool) -> Array:
-    """The inverse without p1 and p2; beyond the fold NaN, or its edge when `clamp`."""
-    k1, k2, k3 = lens.k1, lens.k2, lens.k3
+def newton_step(J: Array, residual: Array) -> Array:
+    """``J^-1`` (N, 2, 2) times `residual` (N, 2)."""
+    a, b, c, d = J[:, 0, 0], J[:, 0, 1], J[:, 1, 0], J[:, 1, 1]
+    u, v = residual[:, 0], residual[:, 1]
+    return np.asarray(np.stack([d * u - b * v, a * v - c * u], axis=1) / (a * d - b * c)[:, None])
+
+
+def _radial(lens: NearlyRadialLens, distorted: Array) -> Array:
+    """The inverse of what is radial alone; beyond the fold NaN, or its edge where other terms show more."""
     x, y = distorted[:, 0], distorted[:, 1]
     target = np.sqrt(x * x + y * y)
-    fold = np.sqrt(fold_radius2(k1, k2, k3)) * _BELOW_ONE
-    reach = np.inf if np.isinf(fold) else fold * (1 + fold**2 * (k1 + fold**2 * (k2 + fold**2 * k3)))
+    fold = np.sqrt(lens.fold_radius2) * _BELOW_ONE
+    reach = np.inf if np.isinf(fold) else float(lens.radial(np.array([fold]))[0][0])
     unseen = ~(target <= reach * (1 + 4e-16)) | ~np.isfinite(target)
-    radius = np.minimum(target, fold)
-    # ordinary lenses are done here, and need no bracket
-    radius, missed = polynomial.radial_steps(lens.coefficients, target, radius, _QUICK_STEPS)
-    slow = ~((np.abs(missed) <= _MET * target) & (radius >= 0) & (radius <= fold)) & ~unseen
-    if slow.any():
-        radius[slow] = _bracketed(lens, target[slow], fold)
+    radius = np.full_like(target, np.nan)
+    radius[~unseen] = growing_root(lens.radial, target[~unseen], np.minimum(target[~unseen], fold), fold)
     scale = np.where(target > 0, radius / target, 1.0)
-    if clamp:
-        # p1 and p2 move a point by up to 3 |p| r^2: that far beyond the fold's image some are shown
+    if not lens.is_radial:
+        # the other terms move a point a little: that far beyond the fold's image some are shown
         scale = np.where(target > reach, fold / target, scale)
-        unseen = ~(target <= reach + 3 * np.hypot(lens.p1, lens.p2) * fold**2) | ~np.isfinite(target)
+        unseen = ~(target <= reach + lens.aside(fold)) | ~np.isfinite(target)
     scale[unseen] = np.nan
     return distorted * scale[:, None]
 
 
-def _bracketed(lens: BrownConrady, target: Array, fold: float) -> Array:
-    """Root in [0, fold] of the radial polynomial, which grows there; Newton's steps, or halving."""
-    k1, k2, k3 = lens.k1, lens.k2, lens.k3
-    low, high = np.zeros_like(target), np.maximum(target, 1.0)
-    if np.isfinite(fold):
-        high = np.full_like(target, fold)
-    else:
-        for _ in range(1100):
-            s = high * high
-            short = high * (1 + s * (k1 + s * (k2 + s * k3))) < target
-            if not short.any():
-                break
-            high = np.where(short, 2 * high, high)
-    radius, last = np.clip(target, low, high), high
-    for _ in range(_SAFE_STEPS):
-        s = radius * radius
-        value = radius * (1 + s * (k1 + s * (k2 + s * k3))) - target
-        low, high = np.where(value < 0, radius, low), np.where(value < 0, high, radius)
-        step = radius - value / (1 + s * (3 * k1 + s * (5 * k2 + s * 7 * k3)))
-        # a step that is not half the last one may be part of a cycle
-        good = (step >= low) & (step <= high) & (2 * np.abs(step - radius) <= last)
-        moved = np.where(good, step, (low + high) / 2)
-        last = np.abs(moved - radius)
-        if (last <= _STILL * radius).all():
-            break
-        radius = moved
-    return radius
-
-
-def _in_plane(lens: BrownConrady, distorted: Array, start: Array) -> Array:
+def _in_plane(lens: NearlyRadialLens, distorted: Array, start: Array) -> Array:
     """Newton's method from the radial root `start` (N, 2); NaN stays NaN."""
     ideal = start.copy()
-    for _ in range(_QUICK_STEPS):
-        residual = lens.distort(ideal) - distorted
-        ideal -= polynomial.newton_step(lens.coefficients, ideal, residual)
+    for _ in range(QUICK_STEPS):
+        ideal -= newton_step(lens.slope(ideal), lens.distort(ideal) - distorted)
     slow = ~(_is_met(lens.distort(ideal) - distorted, distorted) & lens.shows(ideal))
     slow &= np.isfinite(start).all(axis=1)
     if slow.any():
@@ -168,17 +137,17 @@ def _in_plane(lens: BrownConrady, distorted: Array, start: Array) -> Array:
     return ideal
 
 
-def _damped(lens: BrownConrady, distorted: Array, start: Array) -> Array:
+def _damped(lens: NearlyRadialLens, distorted: Array, start: Array) -> Array:
     """Newton's steps, each cut until it stays where the lens shows and comes nearer; NaN where none does."""
     found = np.full_like(distorted, np.nan)
     ideal = start.copy()
-    for _ in range(_SAFE_STEPS):
+    for _ in range(SAFE_STEPS):
         outside = ~lens.shows(ideal)
         if not outside.any():
             break
         ideal[outside] *= 0.9
     active = np.arange(len(ideal))
-    for _ in range(_SAFE_STEPS):
+    for _ in range(SAFE_STEPS):
         target = distorted[active]
         residual = lens.distort(ideal) - target
         met = _is_met(residual, target)
@@ -191,9 +160,9 @@ def _damped(lens: BrownConrady, distorted: Array, start: Array) -> Array:
     return found
 
 
-def _cut_step(lens: BrownConrady, ideal: Array, residual: Array, target: Array) -> tuple[Array, Mask]:
+def _cut_step(lens: NearlyRadialLens, ideal: Array, residual: Array, target: Array) -> tuple[Array, Mask]:
     """Points one step on, and which of them came nearer."""
-    step = polynomial.newton_step(lens.coefficients, ideal, residual)
+    step = newton_step(lens.slope(ideal), residual)
     before = np.hypot(*residual.T)
     moved, better = ideal.copy(), np.zeros(len(ideal), dtype=np.bool_)
     for halving in range(_HALVINGS):
@@ -209,4 +178,4 @@ def _cut_step(lens: BrownConrady, ideal: Array, residual: Array, target: Array) 
 
 def _is_met(residual: Array, distorted: Array) -> Mask:
     size = np.maximum(1.0, np.abs(distorted).max(axis=1))
-    return np.asarray(np.abs(residual).max(axis=1) <= 10 * _MET * size)
+    return np.asarray(np.abs(residual).max(axis=1) <= 10 * MET * size)

@@ -26,6 +26,6 @@ def curves_of(found: RigNumbers, *, resting: bool = True) -> RigCurves:
         return RigCurves(None, None, None)
     rig, ends = found.shown.rig, (found.distances.near_m, found.distances.far_m)
     required = None if found.kept is None else (found.kept.at_mm / 1e3, found.kept.limit_mm)
-    exact = rig.left.distortion is None and rig.right.distortion is None
+    exact = rig.left.lens is None and rig.right.lens is None
     depth = depth_curve(rig, found.shown.noise, *ends, bounds=resting or rig.is_rectified)
     return RigCurves(depth, overlap_curve(rig, *ends) if resting or exact else None, required)

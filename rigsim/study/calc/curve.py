@@ -61,6 +61,6 @@ def depth_curve(
 
 def overlap_curve(rig: StereoRig, near_m: float, far_m: float) -> OverlapCurve:
     """The share of the left image that both see, from `near_m` to `far_m`."""
-    exact = rig.left.distortion is None and rig.right.distortion is None
+    exact = rig.left.lens is None and rig.right.lens is None
     z = np.geomspace(near_m, far_m, OVERLAP_POINTS if exact else _OF_LENSES)
     return OverlapCurve(z, shared_shares(rig, 1 / z))

@@ -82,7 +82,7 @@ def look(simulator: Simulator, rig: StereoRig, plan: Plan, with_pictures: bool =
     truth = simulator.truth(plan.n_points, rng, plan.range_m, plan.far_limit_m)
     lenses = dict.fromkeys(without_noise(sensor) for sensor in plan.sensors.values())
     distortions = [lens.distortion for lens in lenses]
-    distortions += [true_rig.left.distortion, true_rig.right.distortion]
+    distortions += [true_rig.left.lens, true_rig.right.lens]
     if not with_pictures and all(one is None for one in distortions):
         simulator.check(plan.supersample)
         return Look({}, truth)

@@ -83,7 +83,7 @@ def expose_pair(simulator: Simulator, rig: StereoRig, sensor: Sensor, supersampl
     """
     own = (rig.left, rig.right)
     cameras = (_through(rig.left, sensor.distortion), _through(rig.right, sensor.distortion))
-    distorts = any(camera.distortion is not None for camera in cameras)
+    distorts = any(camera.lens is not None for camera in cameras)
     if not (distorts or sensor.blur_px):
         frame = simulator.render(supersample)
         grey = [_grey(view.light) for view in (frame.left, frame.right)]
@@ -116,6 +116,6 @@ def _for_looking(fine: Light, grey: Array, distorts: bool, supersample: int) -> 
 def _through(camera: Intrinsics, lens: Lens | None) -> Intrinsics:
     if lens is None:
         return camera
-    if camera.distortion is not None:
+    if camera.lens is not None:
         raise InvalidRig("the rig's lens and the sensor both distort: leave one of the two out")
-    return replace(camera, distortion=lens)
+    return replace(camera, lens=lens)

@@ -248,6 +248,6 @@ class Plan:
 
 def _numbers(rig: StereoRig) -> Iterable[object]:
     for lens in (rig.left, rig.right):
-        yield (lens.width, lens.height, lens.fx, lens.fy, lens.cx, lens.cy, repr(lens.distortion))
+        yield (lens.width, lens.height, lens.fx, lens.fy, lens.cx, lens.cy, repr(lens.lens))
     yield rig.right_from_left.R.ravel().tolist()
     yield rig.right_from_left.t.tolist()

@@ -130,7 +130,7 @@ def _differences(assumed: StereoRig, true: StereoRig) -> dict[str, float]:
     result |= {"axial": aside[2], "vertical": aside[1]}
     lenses = {}
     for side, was, now in (("left", assumed.left, true.left), ("right", assumed.right, true.right)):
-        bent = (now.distortion, was.distortion)
+        bent = (now.lens, was.lens)
         k1 = [brown_of(lens, "k1").k1 for lens in bent] if are_brown(*bent) else [0.0, 0.0]
         lenses[side] = {
             "focal": now.fy / was.fy - 1,

@@ -94,14 +94,14 @@ def _lens(side: str, change: Callable[[Intrinsics, float], Intrinsics]) -> _Chan
 
 
 def _k1(lens: Intrinsics, amount: float) -> Intrinsics:
-    return replace(lens, distortion=with_k1(lens.distortion, amount))
+    return replace(lens, lens=with_k1(lens.lens, amount))
 
 
 def _lacks_k1(rig: StereoRig, name: str) -> bool:
     """Whether a mistake's `name` is of a k1 that a lens of another model does not have."""
     side = name.removesuffix("-k1")
     lenses = {"left": (rig.left,), "right": (rig.right,), "both": (rig.left, rig.right)}.get(side, ())
-    return side != name and not are_brown(*(lens.distortion for lens in lenses))
+    return side != name and not are_brown(*(lens.lens for lens in lenses))
 
 
 _CHANGES: tuple[tuple[str, str, float, float, Callable[[Intrinsics, float], Intrinsics]], ...] = (

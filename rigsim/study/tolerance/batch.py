@@ -57,10 +57,10 @@ class RigBatch:
         self.cx = rig.right.cx + value["right_cx_px"][:, None]
         self.cy = rig.right.cy + value["right_cy_px"][:, None]
         both_k1, right_k1 = value["both_k1"][:, None], value["right_k1"][:, None]
-        self._d_left, self._k1_left = with_k1(rig.left.distortion, both_k1)
-        self._d_right, self._k1_right = with_k1(rig.right.distortion, both_k1 + right_k1)
-        self._distorts_left = rig.left.distortion is not None or bool(self._k1_left.any())
-        self._distorts_right = rig.right.distortion is not None or bool(self._k1_right.any())
+        self._d_left, self._k1_left = with_k1(rig.left.lens, both_k1)
+        self._d_right, self._k1_right = with_k1(rig.right.lens, both_k1 + right_k1)
+        self._distorts_left = rig.left.lens is not None or bool(self._k1_left.any())
+        self._distorts_right = rig.right.lens is not None or bool(self._k1_right.any())
 
     def project(self, points_left: Array) -> Array:
         """Pixels (4, n, m): u, v left, u, v right of points (m, 3) m; NaN behind a camera or past the
@@ -159,7 +159,7 @@ def read_rays(rig: StereoRig, pixels: Array) -> Rays:
     """Ideal positions of `pixels` (4, n, m) as `rig` itself reads them."""
     found = []
     for camera, (u, v) in ((rig.left, pixels[:_PIXELS]), (rig.right, pixels[_PIXELS:])):
-        if camera.distortion is None:
+        if camera.lens is None:
             found.append(((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy))
         else:
             ideal = camera.normalize(np.stack([u, v], axis=-1))
@@ -180,9 +180,9 @@ def read_rays_near(rig: StereoRig, pixels: Array, points_left: Array) -> Rays:
     ):
         start = (points[:, 0] / points[:, 2], points[:, 1] / points[:, 2])
         x, y = read(pixels, Rays(start, start), _NEAR_STEPS)
-        if camera.distortion is not None:
+        if camera.lens is not None:
             with np.errstate(all="ignore"):
-                lens, k1 = with_k1(camera.distortion, np.zeros(1))
+                lens, k1 = with_k1(camera.lens, np.zeros(1))
                 seen_x, seen_y = distort(x, y, k1, lens)
                 off_x = seen_x * camera.fx + camera.cx - pixels[place]
                 off_y = seen_y * camera.fy + camera.cy - pixels[place + 1]

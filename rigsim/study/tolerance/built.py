@@ -105,7 +105,7 @@ def built_depths(rig: StereoRig, thetas: Array, points: Array) -> tuple[Array, A
     Also their pixels (4, n, m) and, for a rig whose lenses distort, the rays that `rig` makes of them.
     """
     pixels = RigBatch(rig, thetas).project(points)
-    if rig.left.distortion is not None or rig.right.distortion is not None:
+    if rig.left.lens is not None or rig.right.lens is not None:
         read = read_rays_near(rig, pixels, points)
         # `optimal` would iterate; one step differs in the second order of the epipolar error alone
         return RigBatch(rig, np.zeros((1, len(PARAMETERS)))).triangulate(read)[2], pixels, read

@@ -192,7 +192,7 @@ def causes(rig: StereoRig, tolerances: Tolerances) -> Causes:
     """
     keys = tuple(key for key in QUANTITIES if getattr(tolerances, key) > 0)
     for key in keys:
-        for lens in (rig.left.distortion, rig.right.distortion):
+        for lens in (rig.left.lens, rig.right.lens):
             if key.endswith("k1") and lens is not None and not are_brown(lens):
                 what = f"tolerance of {QUANTITIES[key]} {getattr(tolerances, key):g}"
                 raise InvalidRig(f"{what}: lens {lens.said} has no k1: set the tolerances of k1 to 0")

@@ -11,7 +11,7 @@ import numpy as np
 
 from rigsim.rig.arrays import Array
 from rigsim.rig.lens.distortion import BrownConrady, brown_of
-from rigsim.rig.lens.lens import Lens
+from rigsim.rig.lens.lens import Lens, ahead
 
 
 class Slopes(NamedTuple):
@@ -60,7 +60,9 @@ def undistort(
 ) -> tuple[Array, Array]:
     """Newton from `start`, which a small change of the lens has put off by little."""
     if not isinstance(lens, BrownConrady):
-        ideal = lens.undistort(np.stack(np.broadcast_arrays(x, y), axis=-1))
+        rays = lens.ray(np.stack(np.broadcast_arrays(x, y), axis=-1))
+        with np.errstate(all="ignore"):
+            ideal = np.where(rays[..., 2:] > 0, rays[..., :2] / rays[..., 2:], np.nan)
         return ideal[..., 0], ideal[..., 1]
     ideal_x, ideal_y = start
     for _ in range(steps):
@@ -82,15 +84,14 @@ def _newton(
 def slopes(x: Array, y: Array, k1: Array, lens: Lens) -> Slopes:
     """Derivative of `distort`; as `lens.jacobian`."""
     if not isinstance(lens, BrownConrady):
-        J = lens.jacobian(np.stack(np.broadcast_arrays(x, y), axis=-1))
+        J = lens.jacobian(ahead(np.stack(np.broadcast_arrays(x, y), axis=-1)))
         return Slopes(J[..., 0, 0], J[..., 1, 1], J[..., 0, 1], J[..., 1, 0])
     xx, yy, xy = _brown_slopes(x, y, k1, lens)
     return Slopes(xx, yy, xy, xy)
 
 
 def _other(lens: Lens, x: Array, y: Array) -> tuple[Array, Array]:
-    ideal = np.stack(np.broadcast_arrays(x, y), axis=-1)
-    seen = np.where(lens.shows(ideal)[..., None], lens.distort(ideal), np.nan)
+    seen = lens.project(ahead(np.stack(np.broadcast_arrays(x, y), axis=-1)))
     return seen[..., 0], seen[..., 1]
 
 

@@ -123,8 +123,8 @@ GEOMETRIES: tuple[Geometry, ...] = (
     Geometry(
         "distorted",
         StereoRig(
-            replace(_HD, distortion=BrownConrady(k1=-0.18, k2=0.05, p1=0.0012, p2=-0.0008, k3=-0.006)),
-            replace(_HD, distortion=BrownConrady(k1=-0.12, k2=0.02, p1=-0.0006, p2=0.0015)),
+            replace(_HD, lens=BrownConrady(k1=-0.18, k2=0.05, p1=0.0012, p2=-0.0008, k3=-0.006)),
+            replace(_HD, lens=BrownConrady(k1=-0.12, k2=0.02, p1=-0.0006, p2=0.0015)),
             _turned((0.4, -2.0, 0.8), (0.15, 0.004, -0.006)),
         ),
         (0.5, 5.0),
@@ -132,8 +132,8 @@ GEOMETRIES: tuple[Geometry, ...] = (
     Geometry(
         "pincushion",
         StereoRig(
-            replace(_HD, distortion=BrownConrady(k1=0.11, k2=-0.02, p1=-0.0009, p2=0.0011)),
-            replace(_HD, distortion=BrownConrady(k1=0.08, k3=0.004)),
+            replace(_HD, lens=BrownConrady(k1=0.11, k2=-0.02, p1=-0.0009, p2=0.0011)),
+            replace(_HD, lens=BrownConrady(k1=0.08, k3=0.004)),
             _turned((-0.6, 1.0, -0.4), (0.14, 0.003, 0.005)),
         ),
         (0.5, 5.0),

@@ -133,7 +133,7 @@ def wide_std(rig: StereoRig) -> Array:
     By eye: 10 deg of any angle, half the baseline of any shift, 30 % of focal lengths, a tenth of the image
     for principal points, 0.5 for k1 of lenses that have one. Hundreds of times what a calibration leaves.
     """
-    k1 = 0.5 if are_brown(rig.left.distortion, rig.right.distortion) else 0.0
+    k1 = 0.5 if are_brown(rig.left.lens, rig.right.lens) else 0.0
     angle, shift, width = math.radians(10), rig.baseline_m / 2, rig.right.width / 10
     wide = {
         "yaw_rad": angle,

@@ -51,7 +51,7 @@ def _direction(axis: int) -> Callable[[Case], float]:
 
 
 def _k1(case: Case) -> float:
-    lenses = (case.rig.left.distortion, case.rig.right.distortion)
+    lenses = (case.rig.left.lens, case.rig.right.lens)
     return max((lens.k1 for lens in lenses if isinstance(lens, BrownConrady)), default=0.0)
 
 

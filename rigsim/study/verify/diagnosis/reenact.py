@@ -98,7 +98,7 @@ def given(rigs: Sequence[StereoRig], counts: Sequence[int], uv_left: Array, uv_r
             rows([(camera.fx, camera.fy) for camera in cameras]),
             rows([(camera.cx, camera.cy) for camera in cameras]),
             rows([(camera.width, camera.height) for camera in cameras]),
-            rows([brown_of(camera.distortion, "what is reenacted").coefficients for camera in cameras]),
+            rows([brown_of(camera.lens, "what is reenacted").coefficients for camera in cameras]),
         )
 
     return Given(
@@ -113,7 +113,7 @@ def given(rigs: Sequence[StereoRig], counts: Sequence[int], uv_left: Array, uv_r
 
 def reenacts(rig: StereoRig) -> bool:
     """Whether the lenses are of the one model whose mistakes are made again, or none."""
-    return are_brown(rig.left.distortion, rig.right.distortion)
+    return are_brown(rig.left.lens, rig.right.lens)
 
 
 def turned(R: Array, vectors: Array) -> Array:

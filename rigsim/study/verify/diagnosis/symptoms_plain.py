@@ -113,7 +113,7 @@ def last_resort(results: Sequence[CaseResult]) -> list[Diagnosis]:
 
 _FEATURES: tuple[tuple[str, Callable[[CaseResult], bool]], ...] = (
     ("doffs", lambda r: abs(r.case.rig.doffs_px) > 1e-9),
-    ("distortion", lambda r: bool(r.case.rig.left.distortion or r.case.rig.right.distortion)),
+    ("distortion", lambda r: bool(r.case.rig.left.lens or r.case.rig.right.lens)),
     ("turn", lambda r: bool(np.abs(r.case.rig.right_from_left.R - np.eye(3)).max() > 1e-9)),
     ("non-square", lambda r: r.case.rig.left.fx != r.case.rig.left.fy),
     ("two-lenses", lambda r: r.case.rig.left != r.case.rig.right),
