@@ -15,6 +15,7 @@ from rigsim.errors import InvalidRig, OutputError
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.distortion import BrownConrady
+from rigsim.rig.lens.lens import Lens
 from rigsim.rig.remark import Remark
 
 if TYPE_CHECKING:
@@ -26,10 +27,11 @@ _EXACT_ROTATION = 1e-11
 _SHOWN = 40
 _FAR_OFF = 0.12  # of the diagonal: further from the middle no principal point tells a size
 _SIZES = (
-    (640, 480), (1280, 720), (1920, 1080), (1280, 800), (752, 480), (1280, 960), (1920, 1200), (1280, 1024),
-    (640, 400), (640, 360), (320, 240), (848, 480), (800, 600), (1024, 768), (1600, 1200), (2448, 2048),
-    (960, 540), (512, 512), (1024, 1024), (1440, 1080), (1936, 1216), (2048, 1536), (2048, 2048), (2208, 1242),
-    (672, 376), (960, 600), (1624, 1240), (2592, 1944), (3280, 2464), (3840, 2160), (4032, 3024), (4056, 3040),
+    (640, 480), (1280, 720), (1920, 1080), (1280, 800), (752, 480), (1280, 960), (1920, 1200),
+    (1280, 1024), (640, 400), (640, 360), (320, 240), (848, 480), (800, 600), (1024, 768), (1600, 1200),
+    (2448, 2048), (960, 540), (512, 512), (1024, 1024), (1440, 1080), (1936, 1216), (2048, 1536),
+    (2048, 2048), (2208, 1242), (672, 376), (960, 600), (1624, 1240), (2592, 1944), (3280, 2464),
+    (3840, 2160), (4032, 3024), (4056, 3040),
 )  # fmt: skip
 """Sizes that cameras have, px, the commonest first."""
 _BRIEF = reprlib.Repr()
@@ -180,7 +182,7 @@ def quaternion_from_rotvec(rotvec_rad: Array) -> tuple[float, float, float, floa
     return math.cos(half), x, y, z
 
 
-def lens(width: int, height: int, K: Array, distortion: BrownConrady | None, name: str) -> Intrinsics:
+def lens(width: int, height: int, K: Array, distortion: Lens | None, name: str) -> Intrinsics:
     """The camera of a camera matrix `K` (3, 3), px.
 
     Raises:
@@ -247,8 +249,8 @@ def size_or_guess(
         raise InvalidRig("has no image size: give it as --rig-size 1280x720")
     width, height = nearest
     text = (
-        f"the calibration has no image size: {width}x{height} assumed, the usual size whose middle lies nearest"
-        f" to the principal points (mean {cx:.4g}, {cy:.4g}); give the true one as --rig-size WxH"
+        f"the calibration has no image size: {width}x{height} assumed, the usual size whose middle lies"
+        f" nearest to the principal points (mean {cx:.4g}, {cy:.4g}); give the true one as --rig-size WxH"
     )
     return width, height, Remark("no_size", text)
 
