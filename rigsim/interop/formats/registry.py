@@ -18,7 +18,9 @@ from rigsim.interop.formats import (
     ros,
 )
 from rigsim.interop.formats.format import Asked, File, Format, Found
+from rigsim.interop.formats.makers import matlab, oak, realsense, zed
 from rigsim.interop.formats.opencv import calibration as opencv
+from rigsim.interop.formats.photogrammetry import mrcal
 from rigsim.rig.stereo import StereoRig
 
 
@@ -59,6 +61,11 @@ ALL: tuple[Format, ...] = tuple(
         colmap.FORMAT,
         mjcf.FORMAT,
         nerfstudio.FORMAT,
+        oak.FORMAT,
+        realsense.FORMAT,
+        zed.FORMAT,
+        matlab.FORMAT,
+        mrcal.FORMAT,
     )
 )
 """All that are read."""

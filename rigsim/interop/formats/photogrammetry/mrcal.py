@@ -73,6 +73,12 @@ def _groups(files: Sequence[File]) -> list[tuple[File, ...]]:
     return [tuple(known)]
 
 
+def _lacks(file: File) -> str | None:
+    if not _KNOWN.search(file.text):
+        return None
+    return "is mrcal's model of one camera: name both, as --rig left.cameramodel --rig right.cameramodel"
+
+
 def _open(group: tuple[File, ...], asked: Asked) -> Found:
     left, right = _pair(group, asked)
     (camera, left_from_ref), (other, right_from_ref) = (_camera(file) for file in (left, right))
@@ -144,5 +150,6 @@ FORMAT = Format(
     FILE_NAMES[0],
     groups=_groups,
     open=_open,
+    lacks=_lacks,
     write=mrcal_files,
 )
