@@ -14,7 +14,7 @@ from rigsim.errors import OutputError, RigsimError
 from rigsim.interop.formats import middlebury, registry, rig_toml
 from rigsim.interop.formats.format import File
 from rigsim.interop.formats.kit.files import file_of, read_file, siblings
-from rigsim.interop.formats.kit.reading import Reading, RigReading, reading
+from rigsim.interop.formats.kit.reading import Reading, RigFiles, RigReading, reading
 from rigsim.interop.formats.kit.recognise import (
     Candidate,
     candidates,
@@ -101,6 +101,15 @@ def holds_calibration(folder: Path) -> bool:
         return bool(_in_folder(folder))
     except RigsimError:
         return False
+
+
+def paths_of(rig: str | os.PathLike[str]) -> tuple[Path, ...]:
+    """The paths of a calibration, as it is named.
+
+    Raises:
+        InvalidRange: it is no path.
+    """
+    return rig.paths if isinstance(rig, RigFiles) else (given.path(rig, "rig"),)
 
 
 def calibration_sensor(paths: Sequence[Path]) -> Sensor | None:

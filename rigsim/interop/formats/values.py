@@ -16,6 +16,7 @@ from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.lens.lens import Lens
+from rigsim.rig.lens.rational import Rational
 from rigsim.rig.remark import Remark
 
 if TYPE_CHECKING:
@@ -196,23 +197,18 @@ def lens(width: int, height: int, K: Array, distortion: Lens | None, name: str) 
     )
 
 
-def opencv_distortion(D: Array, name: str) -> BrownConrady | None:
-    """Distortion from OpenCV's k1, k2, p1, p2[, k3[, k4, k5, k6, ...]], as many as are given; None for none.
+def opencv_distortion(D: Array, name: str) -> BrownConrady | Rational | None:
+    """The lens of OpenCV's k1, k2, p1, p2[, k3[, k4 to k6[, s1 to s4[, tau_x, tau_y]]]]; None if ideal.
 
     Raises:
-        InvalidRig: terms beyond k3 are not 0.
+        InvalidRig: there are not 0, 4, 5, 8, 12 or 14 of them.
     """
     if len(D) not in (0, 4, 5, 8, 12, 14):
-        raise InvalidRig(f"{name}: has {len(D)} numbers, must be 4 (k1, k2, p1, p2), 5 (and k3), or 8 to 14")
-    beyond = [float(value) for value in D[5:] if value != 0]
-    if beyond:
-        raise InvalidRig(
-            f"{name}: a term beyond k3 is {beyond[0]:g}, must be 0: rigsim's lens has k1, k2, p1, p2, k3;"
-            " calibrate with those"
-        )
-    k1, k2, p1, p2, k3 = (float(value) for value in (*D, *[0.0] * 5)[:5])
-    found = BrownConrady(k1, k2, p1, p2, k3)
-    return None if found == BrownConrady() else found
+        raise InvalidRig(f"{name}: has {len(D)} numbers, must be 4 (k1, k2, p1, p2), 5 (and k3), 8, 12 or 14")
+    terms = [float(value) for value in D]
+    if not any(terms):
+        return None
+    return Rational(*terms) if any(terms[5:]) else BrownConrady(*terms[:5])
 
 
 def size_or_guess(

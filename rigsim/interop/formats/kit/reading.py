@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import re
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -54,6 +56,24 @@ class RigReading:
     def asked(self) -> Asked:
         """What the formats are asked."""
         return Asked(self.size_px, self.cameras, self.mode)
+
+
+@dataclass(frozen=True, slots=True)
+class RigFiles(os.PathLike[str]):
+    """A calibration as it is named: its files, or a folder, and what is said beside them."""
+
+    paths: tuple[Path, ...]
+    """One file or folder, or the files of one calibration."""
+    said: RigReading = RigReading()
+    """What is said beside them."""
+
+    def __fspath__(self) -> str:
+        """The first of the paths."""
+        return str(self.paths[0])
+
+    def __str__(self) -> str:
+        """What messages call them."""
+        return " + ".join(str(path) for path in self.paths)
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +148,8 @@ def _of_unit(baseline: float) -> list[Remark]:
     other = "mm" if baseline > _LONG_M else "in"
     text = (
         f"the file does not say the unit of its lengths: metres assumed, a baseline of"
-        f" {baseline * 1e3:.4g} mm ({_mm(baseline, other)} with --rig-unit {other}, {_mm(baseline, '25mm')} with 25mm for squares)"
+        f" {baseline * 1e3:.4g} mm ({_mm(baseline, other)} with --rig-unit {other},"
+        f" {_mm(baseline, '25mm')} with 25mm for squares)"
     )
     return [Remark("unit", text)]
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from rigsim.errors import InvalidRig
 from rigsim.interop.formats.format import Asked, Found
-from rigsim.interop.formats.opencv.lenses import lens_of
+from rigsim.interop.formats.opencv.lenses import flat, lens_of
 from rigsim.interop.formats.opencv.names import Facts, check_twice
 from rigsim.interop.formats.values import (
     lens,
@@ -201,10 +201,3 @@ def _size(facts: Facts, side: str) -> tuple[int, int] | None:
             raise InvalidRig(f"{key} {shown(value)}: must be a width and a height, as [1280, 720]")
         return pixels(float(sides[order[0]]), key), pixels(float(sides[order[1]]), key)
     return None
-
-
-def flat(value: object) -> object:
-    """The numbers of a row or a column."""
-    if isinstance(value, list):
-        return [item for row in value for item in (row if isinstance(row, list) else [row])]
-    return value
