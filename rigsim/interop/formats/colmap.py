@@ -236,7 +236,7 @@ def _pose(words: Sequence[str], where: str) -> Pose:
 
 # what the first line of each file that says something looks like
 _FIRST = {
-    "cameras.txt": re.compile(rf"\d+\s+(?:{'|'.join(NAMES)})\s+\d+\s+\d+\s"),
+    "cameras.txt": re.compile(rf"\d+\s+(?:{'|'.join(NAMES)})\b"),
     "rigs.txt": re.compile(r"\d+\s+\d+\s+(?:CAMERA|IMU)\s+\d+"),
     "images.txt": re.compile(r"\d+(?:\s+[-+.\deE]+){7}\s+\d+\s+\S"),
 }

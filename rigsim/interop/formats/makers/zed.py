@@ -118,7 +118,7 @@ _KNOWN = re.compile(r"^\s*\[LEFT_CAM_\w+\]", re.MULTILINE | re.IGNORECASE)
 
 FORMAT = Format(
     "zed",
-    "the SN<serial>.conf of a Stereolabs ZED",
+    "the SNxxxx.conf of a Stereolabs ZED",
     (".conf",),
     "zed.conf",
     groups=alone(lambda text: _KNOWN.search(text) is not None),
