@@ -145,7 +145,11 @@ def test_the_command_writes_what_rig_takes(
             "mjcf",
             "opencv, ros, kalibr, colmap, nerfstudio, mrcal",
         ),
-        (StereoRig.verged(LENS, 0.1, 5.0), "middlebury", "opencv, ros, kalibr, colmap, mjcf, nerfstudio, mrcal"),
+        (
+            StereoRig.verged(LENS, 0.1, 5.0),
+            "middlebury",
+            "opencv, ros, kalibr, colmap, mjcf, nerfstudio, mrcal",
+        ),
         (
             StereoRig(LENS, LENS, Pose(t=np.array([0.0, 0.0, -0.4]))),
             "ros",
