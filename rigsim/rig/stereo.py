@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -115,6 +116,21 @@ class StereoRig:
         half = rotation_from_rotvec(self.right_from_left.rotvec_rad / 2)
         middle_left = self.right_from_left.inverse.t / 2
         return Pose(half, -half @ middle_left)
+
+    def cropped(self, x: int, y: int, w: int, h: int) -> StereoRig:
+        """The rig of pictures that are cut out of both cameras' alike; see `Intrinsics.cropped`."""
+        return self._changed(lambda camera: camera.cropped(x, y, w, h))
+
+    def binned(self, n: int) -> StereoRig:
+        """The rig of pictures in which n x n pixels are averaged to one; see `Intrinsics.binned`."""
+        return self._changed(lambda camera: camera.binned(n))
+
+    def resized(self, w: int, h: int) -> StereoRig:
+        """The rig of pictures scaled to w x h px; see `Intrinsics.resized`."""
+        return self._changed(lambda camera: camera.resized(w, h))
+
+    def _changed(self, change: Callable[[Intrinsics], Intrinsics]) -> StereoRig:
+        return StereoRig(change(self.left), change(self.right), self.right_from_left)
 
     def figure(self, points_left: npt.ArrayLike = (), *, noise_px: float = 0.25, title: str = "") -> Any:
         """Draw the rig from above: a matplotlib Figure, as `rigsim.rig_figure`, which says more."""

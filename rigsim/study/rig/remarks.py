@@ -104,8 +104,9 @@ def _of_principal_points(rig: StereoRig) -> Iterator[Remark]:
         yield Remark(
             "size",
             f"the principal point {camera.cx:.5g},{camera.cy:.5g} px is the middle of a picture of about "
-            f"{width}x{height} px, not of {camera.width}x{camera.height}: was the rig calibrated in that "
-            f"size? Then say --rig-size {width}x{height}, and --resize {camera.width}x{camera.height} or --crop",
+            f"{width}x{height} px, not of {camera.width}x{camera.height}: was the rig calibrated in "
+            f"that size? Then say --rig-size {width}x{height}, and --resize {camera.width}x{camera.height} or"
+            " --crop",
         )
         return
     for side in odd:
@@ -166,14 +167,16 @@ def _of_focal_lengths(rig: StereoRig) -> Iterator[Remark]:
         yield Remark(
             "focal_lengths",
             f"focal lengths {left[0]:.5g} px left and {right[0]:.5g} px right differ by "
-            f"{100 * abs(over):.3g} %, over {100 * FOCALS_APART:g} %: were the two calibrated in different sizes, or badly?",
+            f"{100 * abs(over):.3g} %, over {100 * FOCALS_APART:g} %: were the two calibrated in "
+            "different sizes, or badly?",
         )
     for name, (fx, fy) in (("left", left), ("right", right)):
         if abs(fy / fx - 1) > FOCALS_APART:
             yield Remark(
                 "focal_lengths",
                 f"fx {fx:.5g} px and fy {fy:.5g} px of the {name} camera differ by "
-                f"{100 * abs(fy / fx - 1):.3g} %: pixels are square; was the picture stretched, or the board turned too little?",
+                f"{100 * abs(fy / fx - 1):.3g} %: pixels are square; was the picture stretched, or the "
+                "board turned too little?",
             )
 
 
