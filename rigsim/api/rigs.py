@@ -28,24 +28,35 @@ Sizes: TypeAlias = tuple[int, int] | Iterable[tuple[int, int]]
 DEFAULT_PRESET = "boards"
 
 
-def read_rig(rig: RigLike) -> StereoRig:
+def read_rig(
+    rig: RigLike,
+    *more: str | os.PathLike[str],
+    unit: str | None = None,
+    size_px: tuple[int, int] | None = None,
+    swap: bool = False,
+    cameras: tuple[str, str] | None = None,
+    mode: str | None = None,
+) -> StereoRig:
     """The rig that a name, a path or a text says.
 
-    Every calibration format that rigsim writes is read: rig.toml; OpenCV's stereo.yml; ROS's left.yaml with
-    right.yaml beside it; Kalibr's camchain.yaml; Middlebury's calib.txt; KITTI's calib_cam_to_cam.txt;
-    COLMAP's cameras.txt; MJCF's rig.xml; Nerfstudio's transforms.json; or a folder with one of them.
-
-    A calibration with its right camera on the left side is refused; a rig.toml or rig.xml is taken as it was
-    drawn up.
+    A calibration of any format is read, known by what it says; ``rigsim.read_rig("intrinsics.yml")`` finds
+    the extrinsics.yml beside it. What is odd about it is printed by `rigsim rig`.
 
     Args:
         rig: A preset's name, as ``oak-d``; the path of a file or folder, which comes first where both exist;
             the text of a file, which has more than one line; or a rig, which comes back as it is.
+        more: The other files of the same calibration.
+        unit: Unit of the file's lengths, where it does not say it: ``mm``, ``cm``, ``m``, ``in``, or ``25mm``
+            for a board's squares of 25 mm.
+        size_px: Image size, width and height, of a file that has none.
+        swap: Whether the file's left camera is the right one.
+        cameras: Names of the left and the right camera, of a file with more than two.
+        mode: Which of a file's modes, as ``HD``.
 
     Raises:
         OutputError: a file cannot be read, or a folder holds no calibration or several.
-        InvalidRig: it holds no rig that can be, or has its sides exchanged.
-        InvalidRange: it is none of these.
+        InvalidRig: it holds no rig that can be, or does not say something that decides.
+        InvalidRange: it is none of these, or a word about it cannot be.
 
     Example:
         >>> import rigsim
@@ -55,17 +66,25 @@ def read_rig(rig: RigLike) -> StereoRig:
         >>> rigsim.read_rig(rigsim.write_rig(rig)) == rig
         True
     """
+    from rigsim.interop.formats.kit.reading import RigFiles, RigReading
+
+    said = RigReading(unit, size_px, swap, cameras, mode)
+    if isinstance(rig, RigFiles):
+        said, more = rig.said, (*rig.paths[1:], *more)
+    plain = said == RigReading() and not more
     if isinstance(rig, StereoRig):
+        if not plain:
+            raise InvalidRange("a rig and words about a file: name the file, or give the rig alone")
         return rig
-    name = preset_name(rig)
+    name = preset_name(rig) if plain else None
     if name is not None:
         from rigsim.rig.presets import preset
 
         return preset(name).rig
-    from rigsim.interop.formats.calibration import parse_calibration, read_calibration
+    from rigsim.interop.formats import calibration
 
     if isinstance(rig, str) and "\n" in rig:
-        return parse_calibration(rig)
+        return calibration.parse(rig, said).rig
     path = given.path(rig, "rig")
     if isinstance(rig, str) and not path.suffix and path.name == rig and not os.path.lexists(path):
         from rigsim.rig.presets import PRESETS
@@ -74,7 +93,7 @@ def read_rig(rig: RigLike) -> StereoRig:
             f"rig {given.shown(rig)}: no file here and no preset has that name; name a file, or one of "
             f"{', '.join(PRESETS)}"
         )
-    return read_calibration(path)
+    return calibration.read([path, *(given.path(other, "rig") for other in more)], said).rig
 
 
 @overload
@@ -173,11 +192,11 @@ def told_of(rig: RigLike | None) -> Told:
         if not calibration.is_toml(rig):
             return Told()
         return Told(rig_toml.parse_sensor(rig), rig_toml.parse_perturbation(rig))
-    path = given.path(rig, "rig")
+    paths = calibration.paths_of(rig)
     return Told(
-        calibration.calibration_sensor(path),
-        calibration.calibration_perturbation(path),
-        calibration.disparity_range(path),
+        calibration.calibration_sensor(paths),
+        calibration.calibration_perturbation(paths),
+        calibration.disparity_range(paths),
     )
 
 
@@ -208,7 +227,7 @@ def preset_name(rig: RigLike) -> str | None:
     if os.path.isfile(rig):
         return None
     if os.path.isdir(rig):
-        from rigsim.interop.formats.calibration import in_folder
+        from rigsim.interop.formats.calibration import holds_calibration
 
-        return None if in_folder(Path(rig)) else name
+        return None if holds_calibration(Path(rig)) else name
     return name

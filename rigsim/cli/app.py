@@ -118,6 +118,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
     """
     words = list(answer.typed() if arguments is None else arguments)
     terminal.prepare()
+    answer.tell(())
     try:
         _check_words(words)
         result = _called(words)

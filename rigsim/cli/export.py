@@ -88,7 +88,7 @@ def dataset(options: RigOptions, words: DatasetWords) -> None:
     one = options.single(words.scene)
     sensor = sensor_words(
         words.sensor,
-        options.rig,
+        options.files,
         blur=words.blur,
         image_noise=words.image_noise,
         full_well=words.full_well,

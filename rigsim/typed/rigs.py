@@ -13,6 +13,7 @@ from rigsim.typed import quantity
 from rigsim.typed.axes import numbers_of, values_of
 
 if TYPE_CHECKING:
+    from rigsim.interop.formats.kit.reading import Reading, RigFiles
     from rigsim.rig.remark import Remark
     from rigsim.rig.stereo import StereoRig
     from rigsim.study.scene.plan import RigGrid
@@ -26,7 +27,13 @@ _SAME_WIDTH = 0.01
 class RigOptions:
     """The words that describe rigs, as typed; None where nothing was."""
 
-    rig: Path | None = None
+    rig: Path | tuple[Path, ...] | None = None
+    """A calibration's file or folder, or its files."""
+    rig_unit: str | None = None
+    rig_size: str | None = None
+    rig_swap: bool = False
+    rig_cameras: str | None = None
+    rig_mode: str | None = None
     preset: str | None = None
     baseline: str | None = None
     focal: str | None = None
@@ -44,6 +51,9 @@ class RigOptions:
     def of(cls, typed: Mapping[str, Any], **others: Any) -> RigOptions:
         """From what was typed, by the options' names; axes that do not change the rig are left out."""
         own = {name: text for name, text in typed.items() if name in cls.__dataclass_fields__}
+        paths = others.get("rig")
+        if isinstance(paths, list):
+            others["rig"] = tuple(paths) if len(paths) > 1 else paths[0] if paths else None
         more = ((axis.name, typed.get(axis.name)) for axis in registry.OF_RIG if axis.name not in own)
         return cls(**own, **others, more=tuple((name, text) for name, text in more if text is not None))
 
@@ -52,10 +62,46 @@ class RigOptions:
         own = (
             (name, getattr(self, name))
             for name in type(self).__dataclass_fields__
-            if name not in ("more", "read")
+            if name not in ("more", "read", "rig", "rig_swap")
         )
         said = [(name.replace("_", "-"), str(value)) for name, value in own if value is not None]
-        return [*said, *self.more]
+        files = self.files
+        paths = [] if files is None else [("rig", str(path)) for path in files.paths]
+        return [*paths, *([("rig-swap", "")] if self.rig_swap else []), *said, *self.more]
+
+    @property
+    def files(self) -> RigFiles | None:
+        """The calibration that was named, with what was said of it; None where none was.
+
+        Raises:
+            InvalidRange: what was said cannot be read, or nothing was named that it is about.
+        """
+        from rigsim.interop.formats.kit.reading import RigFiles, RigReading
+
+        size = None
+        if self.rig_size is not None:
+            size, *more = quantity.resolutions(self.rig_size)
+            if more:
+                raise InvalidRange(f"rig size {self.rig_size}: must be one width and height, as 1280x720")
+        said = RigReading(self.rig_unit, size, self.rig_swap, _two_names(self.rig_cameras), self.rig_mode)
+        if self.rig is None:
+            if said != RigReading():
+                raise InvalidRange("--rig-... says something of a calibration: name its file with --rig")
+            return None
+        return RigFiles(self.rig if isinstance(self.rig, tuple) else (self.rig,), said)
+
+    def reading(self) -> Reading | None:
+        """The calibration that was named, as it was read; None where none was.
+
+        Raises:
+            RigsimError: it cannot be read.
+        """
+        files = self.files
+        if files is None:
+            return None
+        from rigsim.interop.formats.calibration import read
+
+        return read(files.paths, files.said)
 
     @property
     def has_size(self) -> bool:
@@ -71,10 +117,9 @@ class RigOptions:
             raise InvalidRange("--rig and --preset both given: give one")
         if self.read is not None:
             return self.read
-        if self.rig is not None:
-            from rigsim.interop.formats.calibration import read_calibration
-
-            return read_calibration(self.rig)
+        found = self.reading()
+        if found is not None:
+            return found.rig
         name = self.preset or (scene if scene in PRESETS else DEFAULT_PRESET)
         return preset(name).rig
 
@@ -84,6 +129,8 @@ class RigOptions:
         Raises:
             InvalidRange: a name is empty, or given twice.
         """
+        if isinstance(self.rig, tuple):
+            return [("rig", self)]
         field, text = ("preset", self.preset) if self.rig is None else ("rig", str(self.rig))
         if text is None:
             return [("rig", self)]
@@ -101,7 +148,10 @@ class RigOptions:
         return [(preset(name).name, replace(self, preset=name)) for name in names]
 
     def mode_remarks(self, rig: StereoRig) -> list[Remark]:
-        """What is odd about a rig that started from a camera one can buy."""
+        """What is odd about a rig that started from a file, or from a camera one can buy."""
+        found = self.reading()
+        if found is not None:
+            return list(found.remarks)
         if self.preset is None:
             return []
         from rigsim.rig.presets import preset
@@ -111,11 +161,12 @@ class RigOptions:
 
     def disparity_range(self) -> tuple[float, float] | None:
         """Disparities to search, px, as a Middlebury calib.txt says; None where nothing says."""
-        if self.rig is None:
+        files = self.files
+        if files is None:
             return None
         from rigsim.interop.formats.calibration import disparity_range
 
-        return disparity_range(self.rig)
+        return disparity_range(files.paths)
 
     def published_search(self) -> tuple[tuple[float, float], str] | None:
         """Disparities that the rig's own matcher searches, px, and who says so; None where nobody does."""
@@ -126,7 +177,7 @@ class RigOptions:
             most_px = named.first("max_disparity_px")
             return None if most_px is None else ((0.0, most_px), f"as published of {named.name}")
         told = self.disparity_range()
-        return None if told is None else (told, f"as {self.rig} says")
+        return None if told is None else (told, f"as {self.files} says")
 
     def grid(self, scene: str) -> RigGrid:
         """All rigs asked for.
@@ -162,7 +213,7 @@ class RigOptions:
         grid = self.grid(scene)
         baselines = () if self.baseline is None else quantity.values(self.baseline, quantity.BASELINE)
         return {
-            "rig": grid.base if self.rig is None else self.rig,
+            "rig": self.files or grid.base,
             "baselines_mm": baselines,
             "focals_px": grid.focals_px,
             "hfovs_deg": grid.hfovs_deg,
@@ -228,6 +279,15 @@ class RigOptions:
                     f"sensor width {width_mm:g} mm: {width_px} px of {pitch_mm * 1e3:g} um make "
                     f"{width_px * pitch_mm:.4g} mm; give --sensor-width or --pixel-pitch, not both"
                 )
+
+
+def _two_names(text: str | None) -> tuple[str, str] | None:
+    if text is None:
+        return None
+    names = [word.strip() for word in text.split(",")]
+    if len(names) != 2 or not all(names):
+        raise InvalidRange(f"rig cameras {text!r}: name the left and the right one, as 0,1")
+    return names[0], names[1]
 
 
 def single_rig(options: RigOptions, principal: str | None, *, size_for: str = "") -> StereoRig:

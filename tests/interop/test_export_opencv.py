@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 
 from rigsim.errors import InvalidRig
-from rigsim.interop.formats.opencv_yaml import opencv_yaml, parse_opencv_yaml, write_opencv_yaml
+from rigsim.interop.formats.opencv.calibration import parse_opencv_yaml
+from rigsim.interop.formats.opencv_yaml import opencv_yaml, write_opencv_yaml
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.pose import Pose

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 
 from rigsim.errors import InvalidRange, InvalidRig
@@ -13,23 +14,52 @@ from rigsim.interop.formats import (
     middlebury,
     mjcf,
     nerfstudio,
-    opencv_yaml,
     rig_toml,
     ros,
 )
-from rigsim.interop.formats.format import Format
+from rigsim.interop.formats.format import Asked, File, Format, Found
+from rigsim.interop.formats.opencv import calibration as opencv
 from rigsim.rig.stereo import StereoRig
 
-ALL: tuple[Format, ...] = (
-    rig_toml.FORMAT,
-    opencv_yaml.FORMAT,
-    ros.FORMAT,
-    kalibr.FORMAT,
-    middlebury.FORMAT,
-    kitti.FORMAT,
-    colmap.FORMAT,
-    mjcf.FORMAT,
-    nerfstudio.FORMAT,
+
+def _by_name(format: Format) -> Format:
+    """A format that still tells its files by their names, as one that tells them by what they say."""
+    if format.groups is not None:
+        return format
+
+    def groups(files: Sequence[File]) -> list[tuple[File, ...]]:
+        if format.read is not None:
+            named = {file.name: file for file in files if file.name in format.names}
+            first = named.get(format.names[0])
+            if first is None:
+                return []
+            others = (named[name] for name in format.names[1:] if name in named)
+            return [(first, *others)]
+        own = (file for file in files if format.name != "mjcf" or "<mujoco" in file.text)
+        return [(file,) for file in own if format.knows(file.text)]
+
+    def opened(files: tuple[File, ...], asked: Asked) -> Found:
+        if format.read is not None:
+            return Found(format.read(files[0].path))
+        assert format.parse is not None, format.name
+        return Found(format.parse(files[0].text))
+
+    return replace(format, groups=groups, open=opened)
+
+
+ALL: tuple[Format, ...] = tuple(
+    _by_name(format)
+    for format in (
+        rig_toml.FORMAT,
+        opencv.FORMAT,
+        ros.FORMAT,
+        kalibr.FORMAT,
+        middlebury.FORMAT,
+        kitti.FORMAT,
+        colmap.FORMAT,
+        mjcf.FORMAT,
+        nerfstudio.FORMAT,
+    )
 )
 """All that are read."""
 
@@ -57,27 +87,6 @@ def rig_files(rig: StereoRig, format: str) -> dict[str, bytes]:
         able = ", ".join(name for name in RIG_FORMATS if _holds(name, rig)) or OURS_ALONE
         raise InvalidRig(f"format {format}: {error}; formats that hold this rig: {able}") from None
     return {name: text.encode() for name, text in texts.items()}
-
-
-def of_text(text: str) -> Format:
-    """The format of one file's text."""
-    return next(format for format in _in_turn(ALL) if format.parse is not None and format.knows(text))
-
-
-def of_file(suffix: str, name: str, text: Callable[[], str]) -> Format:
-    """The format of a file, by its ending and name, and by its text where these do not tell."""
-    able = [format for format in ALL if suffix in format.suffixes]
-    named = [format for format in able if name in format.names]
-    if len(able) < 2 or named:
-        return (named or able or [rig_toml.FORMAT])[0]
-    said = text()
-    known = (format for format in _in_turn(able) if format.knows(said))
-    return next(known, next(format for format in able if suffix in format.otherwise))
-
-
-def _in_turn(formats: tuple[Format, ...] | list[Format]) -> list[Format]:
-    # of those that are asked last, rig.toml takes all that is left
-    return sorted(formats, key=lambda format: (format.late, format is rig_toml.FORMAT))
 
 
 def _holds(format: str, rig: StereoRig) -> bool:
