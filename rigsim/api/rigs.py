@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias, overload
 
 from rigsim.errors import InvalidRange, InvalidRig, InvalidScene
 from rigsim.rig import given
-from rigsim.rig.stereo import StereoRig
+from rigsim.rig.stereo import PixelGrid, StereoRig
 
 if TYPE_CHECKING:
     from rigsim.rig.perturbation import Perturbation
@@ -187,16 +187,18 @@ def told_of(rig: RigLike | None) -> Told:
     if rig is None or isinstance(rig, StereoRig) or preset_name(rig) is not None:
         return Told()
     from rigsim.interop.formats import calibration, rig_toml
+    from rigsim.interop.formats.kit.reading import RigFiles
 
     if isinstance(rig, str) and "\n" in rig:
         if not calibration.is_toml(rig):
             return Told()
         return Told(rig_toml.parse_sensor(rig), rig_toml.parse_perturbation(rig))
     paths = calibration.paths_of(rig)
+    grid = rig.said.grid if isinstance(rig, RigFiles) else PixelGrid()
     return Told(
         calibration.calibration_sensor(paths),
         calibration.calibration_perturbation(paths),
-        calibration.disparity_range(paths),
+        calibration.disparity_range(paths, grid),
     )
 
 

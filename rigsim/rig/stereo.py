@@ -151,3 +151,27 @@ class StereoRig:
         points = np.asarray(points_left, dtype=np.float64)
         right = self.right.jacobian(self.right_from_left.apply(points)) @ self.right_from_left.R
         return np.concatenate([self.left.jacobian(points), right], axis=-2)
+
+
+@dataclass(frozen=True, slots=True)
+class PixelGrid:
+    """What is done to both pictures before anything else, in this order; None leaves them."""
+
+    crop: tuple[int, int, int, int] | None = None
+    """First pixel x, y and size w, h of what is cut out, px."""
+    binning: int | None = None
+    """Pixels along a side that are averaged to one."""
+    resize: tuple[int, int] | None = None
+    """Width and height that they are scaled to, px."""
+
+    def apply(self, rig: StereoRig) -> StereoRig:
+        """The rig of the pictures that come out; the same one where nothing is done.
+
+        Raises:
+            InvalidRig: the cut reaches out of the picture, or the binning does not divide it.
+        """
+        if self.crop is not None:
+            rig = rig.cropped(*self.crop)
+        if self.binning is not None:
+            rig = rig.binned(self.binning)
+        return rig if self.resize is None else rig.resized(*self.resize)

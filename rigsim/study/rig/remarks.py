@@ -49,15 +49,20 @@ _USUAL_PX = (
 _CELLS = (64, 48)
 
 
-def remarks_of_rig(rig: StereoRig) -> tuple[Remark, ...]:
-    """All that is odd about a rig, whatever file it came from; empty where nothing is."""
+def remarks_of_rig(rig: StereoRig, changed: StereoRig | None = None) -> tuple[Remark, ...]:
+    """All that is odd about a rig, whatever file it came from; empty where nothing is.
+
+    Args:
+        rig: the rig as its file says it.
+        changed: the same with its pictures cut or scaled, as is asked for: what they show is then told of it.
+    """
     return (
         *_of_baseline(rig),
         *_of_sides(rig),
         *_of_principal_points(rig),
         *_of_focal_lengths(rig),
-        *_of_folds(rig),
-        *_of_overlap(rig),
+        *_of_folds(changed or rig),
+        *_of_overlap(changed or rig),
     )
 
 
