@@ -172,15 +172,26 @@ class RigOptions:
 
     def mode_remarks(self, rig: StereoRig) -> list[Remark]:
         """What is odd about a rig that started from a file, or from a camera one can buy."""
-        found = self.reading()
+        found, shape = self.reading(), self.shape_remarks()
         if found is not None:
-            return list(found.remarks)
+            return [*found.remarks, *shape]
         if self.preset is None:
             return []
         from rigsim.rig.presets import preset
 
         odd = preset(self.preset).odd_mode(rig)
-        return [] if odd is None else [odd]
+        return [*([] if odd is None else [odd]), *shape]
+
+    def shape_remarks(self) -> list[Remark]:
+        """What becomes of the named rig's pictures that shall have another shape, unless the lens is said."""
+        unnamed = self.rig is None and self.preset is None
+        if unnamed or self.resolution is None or self.focal is not None or self.hfov is not None:
+            return []
+        from rigsim.study.scene.axes.resolution import shape_remark
+
+        base = self.base(DEFAULT_PRESET)
+        found = (shape_remark(base, *size) for size in quantity.resolutions(self.resolution))
+        return [remark for remark in found if remark is not None]
 
     def disparity_range(self) -> tuple[float, float] | None:
         """Disparities to search, px, as a Middlebury calib.txt says; None where nothing says."""

@@ -172,14 +172,14 @@ def takes_rig(command: Callable[Concatenate[RigOptions, _P], _R]) -> Callable[..
 
 
 def tell_of_rig(options: RigOptions) -> None:
-    """Say what is odd about the calibration that --rig names, before anything is made of it."""
+    """Say what is odd about the calibration that --rig names, and what becomes of pictures of another shape,
+    before anything is made of it."""
     remarks: list[Remark] = []
-    if options.preset is None:
-        each = options.each()
-        for name, one in each:
-            found = one.reading()
-            odd = () if found is None else found.remarks
-            remarks += odd if len(each) == 1 else (replace(item, text=f"{name}: {item.text}") for item in odd)
+    each = options.each()
+    for name, one in each:
+        found = one.reading() if one.preset is None else None
+        odd = (*(() if found is None else found.remarks), *one.shape_remarks())
+        remarks += odd if len(each) == 1 else (replace(item, text=f"{name}: {item.text}") for item in odd)
     tell(remarks)
 
 

@@ -46,7 +46,9 @@ _USUAL_PX = (
     *((1280, 960), (1280, 1024), (1600, 1200), (1920, 1080), (1920, 1200), (2048, 1536), (2208, 1242)),
     *((2448, 2048), (2592, 1944), (3264, 2448), (3840, 2160), (4000, 3000), (4032, 3024), (4056, 3040)),
 )
-_CELLS = (64, 48)
+_CELLS = (48, 36)
+_FEW = 16
+_HALVINGS = 12
 
 
 def remarks_of_rig(rig: StereoRig, changed: StereoRig | None = None) -> tuple[Remark, ...]:
@@ -212,14 +214,14 @@ def unseen_share(camera: Intrinsics) -> tuple[float, float]:
     lost = np.isnan(camera.ray(uv)[:, 2])
     if not lost.any():
         return 0.0, math.inf
-    return float(lost.mean()), _last_angle_deg(camera, uv[lost])
+    return float(lost.mean()), _last_angle_deg(camera, uv[lost][:: max(int(lost.sum()) // _FEW, 1)])
 
 
 def _last_angle_deg(camera: Intrinsics, lost: Array) -> float:
     """The least angle at which the picture ends on the ways to pixels (N, 2) that show nothing, deg."""
     center = np.array([camera.cx, camera.cy])
     low, high = np.zeros(len(lost)), np.ones(len(lost))
-    for _ in range(30):
+    for _ in range(_HALVINGS):
         middle = (low + high) / 2
         seen = np.isfinite(camera.ray(center + middle[:, None] * (lost - center))[:, 2])
         low, high = np.where(seen, middle, low), np.where(seen, high, middle)
