@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias, overload
 
 from rigsim.errors import InvalidRange, InvalidRig, InvalidScene
 from rigsim.rig import given
-from rigsim.rig.stereo import StereoRig
+from rigsim.rig.stereo import PixelGrid, StereoRig
 
 if TYPE_CHECKING:
+    from rigsim.interop.formats.kit.reading import Reading, RigReading
     from rigsim.rig.perturbation import Perturbation
     from rigsim.rig.sensor import Sensor
 
@@ -28,24 +29,35 @@ Sizes: TypeAlias = tuple[int, int] | Iterable[tuple[int, int]]
 DEFAULT_PRESET = "boards"
 
 
-def read_rig(rig: RigLike) -> StereoRig:
+def read_rig(
+    rig: RigLike,
+    *more: str | os.PathLike[str],
+    unit: str | None = None,
+    size_px: tuple[int, int] | None = None,
+    swap: bool = False,
+    cameras: tuple[str, str] | None = None,
+    mode: str | None = None,
+) -> StereoRig:
     """The rig that a name, a path or a text says.
 
-    Every calibration format that rigsim writes is read: rig.toml; OpenCV's stereo.yml; ROS's left.yaml with
-    right.yaml beside it; Kalibr's camchain.yaml; Middlebury's calib.txt; KITTI's calib_cam_to_cam.txt;
-    COLMAP's cameras.txt; MJCF's rig.xml; Nerfstudio's transforms.json; or a folder with one of them.
-
-    A calibration with its right camera on the left side is refused; a rig.toml or rig.xml is taken as it was
-    drawn up.
+    A calibration of any format is read, known by what it says; ``rigsim.read_rig("intrinsics.yml")`` finds
+    the extrinsics.yml beside it. What is odd about it is printed by `rigsim rig`.
 
     Args:
         rig: A preset's name, as ``oak-d``; the path of a file or folder, which comes first where both exist;
             the text of a file, which has more than one line; or a rig, which comes back as it is.
+        more: The other files of the same calibration.
+        unit: Unit of the file's lengths, where it does not say it: ``mm``, ``cm``, ``m``, ``in``, or ``25mm``
+            for a board's squares of 25 mm.
+        size_px: Image size, width and height, of a file that has none.
+        swap: Whether the file's left camera is the right one.
+        cameras: Names of the left and the right camera, of a file with more than two.
+        mode: Which of a file's modes, as ``HD``.
 
     Raises:
         OutputError: a file cannot be read, or a folder holds no calibration or several.
-        InvalidRig: it holds no rig that can be, or has its sides exchanged.
-        InvalidRange: it is none of these.
+        InvalidRig: it holds no rig that can be, or does not say something that decides.
+        InvalidRange: it is none of these, or a word about it cannot be.
 
     Example:
         >>> import rigsim
@@ -55,17 +67,37 @@ def read_rig(rig: RigLike) -> StereoRig:
         >>> rigsim.read_rig(rigsim.write_rig(rig)) == rig
         True
     """
+    from rigsim.interop.formats.kit.reading import RigReading
+
+    return rig_reading(rig, more, RigReading(unit, size_px, swap, cameras, mode)).rig
+
+
+def rig_reading(rig: RigLike, more: Sequence[str | os.PathLike[str]], said: RigReading) -> Reading:
+    """What `read_rig` reads, with whose format it is and what is odd about it: ``preset`` of a name, ``rig``
+    of a rig.
+
+    Raises:
+        OutputError, InvalidRig, InvalidRange: as `read_rig`.
+    """
+    from rigsim.interop.formats.kit.reading import Reading, RigFiles, RigReading
+    from rigsim.study.rig.remarks import remarks_of_rig
+
+    if isinstance(rig, RigFiles):
+        said, more = rig.said, (*rig.paths[1:], *more)
+    of_file = replace(said, grid=RigReading().grid) != RigReading() or len(more) > 0
     if isinstance(rig, StereoRig):
-        return rig
-    name = preset_name(rig)
+        if of_file:
+            raise InvalidRange("a rig and words about a file: name the file, or give the rig alone")
+        return Reading(rig, "rig", remarks_of_rig(rig))
+    name = None if of_file else preset_name(rig)
     if name is not None:
         from rigsim.rig.presets import preset
 
-        return preset(name).rig
-    from rigsim.interop.formats.calibration import parse_calibration, read_calibration
+        return Reading(said.grid.apply(preset(name).rig), "preset")
+    from rigsim.interop.formats import calibration
 
     if isinstance(rig, str) and "\n" in rig:
-        return parse_calibration(rig)
+        return calibration.parse(rig, said)
     path = given.path(rig, "rig")
     if isinstance(rig, str) and not path.suffix and path.name == rig and not os.path.lexists(path):
         from rigsim.rig.presets import PRESETS
@@ -74,7 +106,7 @@ def read_rig(rig: RigLike) -> StereoRig:
             f"rig {given.shown(rig)}: no file here and no preset has that name; name a file, or one of "
             f"{', '.join(PRESETS)}"
         )
-    return read_calibration(path)
+    return calibration.read([path, *(given.path(other, "rig") for other in more)], said)
 
 
 @overload
@@ -168,16 +200,18 @@ def told_of(rig: RigLike | None) -> Told:
     if rig is None or isinstance(rig, StereoRig) or preset_name(rig) is not None:
         return Told()
     from rigsim.interop.formats import calibration, rig_toml
+    from rigsim.interop.formats.kit.reading import RigFiles
 
     if isinstance(rig, str) and "\n" in rig:
         if not calibration.is_toml(rig):
             return Told()
         return Told(rig_toml.parse_sensor(rig), rig_toml.parse_perturbation(rig))
-    path = given.path(rig, "rig")
+    paths = calibration.paths_of(rig)
+    grid = rig.said.grid if isinstance(rig, RigFiles) else PixelGrid()
     return Told(
-        calibration.calibration_sensor(path),
-        calibration.calibration_perturbation(path),
-        calibration.disparity_range(path),
+        calibration.calibration_sensor(paths),
+        calibration.calibration_perturbation(paths),
+        calibration.disparity_range(paths, grid),
     )
 
 
@@ -208,7 +242,7 @@ def preset_name(rig: RigLike) -> str | None:
     if os.path.isfile(rig):
         return None
     if os.path.isdir(rig):
-        from rigsim.interop.formats.calibration import in_folder
+        from rigsim.interop.formats.calibration import holds_calibration
 
-        return None if in_folder(Path(rig)) else name
+        return None if holds_calibration(Path(rig)) else name
     return name

@@ -17,7 +17,24 @@ from rigsim.cli.kit.answer import claim, command, deliver, quiet
 from rigsim.cli.kit.axes import DISPARITY_NOISE, takes_axes
 from rigsim.cli.kit.cover import CoverWords
 from rigsim.cli.kit.golden import GoldenWords, held, leave_where_moved
-from rigsim.cli.kit.options import PixelPitch, PresetName, RigFile, SensorWidth, takes
+from rigsim.cli.kit.options import (
+    PICTURES,
+    READING,
+    Binning,
+    Crop,
+    PixelPitch,
+    PresetName,
+    Resize,
+    RigCameras,
+    RigFile,
+    RigMode,
+    RigSize,
+    RigSwap,
+    RigUnit,
+    SensorWidth,
+    takes,
+    tell_of_rig,
+)
 from rigsim.cli.kit.progress import shown
 from rigsim.cli.kit.sensors import Blur, FullWell, ReadNoise, SensorName, sensor_words
 from rigsim.cli.kit.triangulators import TIMEOUT, InProcess
@@ -48,6 +65,14 @@ class SweepWords:
     ] = None
     preset: PresetName = None
     rig: RigFile = None
+    rig_unit: RigUnit = None
+    rig_size: RigSize = None
+    rig_swap: RigSwap = False
+    rig_cameras: RigCameras = None
+    rig_mode: RigMode = None
+    crop: Crop = None
+    binning: Binning = None
+    resize: Resize = None
     assume: Annotated[
         Path | None,
         typer.Option(
@@ -125,8 +150,9 @@ def sweep(typed: Mapping[str, str], words: SweepWords, cover: CoverWords, golden
     range_m = _range(words.depth_range)
     required = _required(words.require)
     options = _rigs(typed, words)
+    tell_of_rig(options)
     axes, n_rigs = options.axes(words.scene), len(options.grid(words.scene))
-    sensor = _sensor(words)
+    sensor = _sensor(options, words)
     if n_rigs > MANY_RIGS and not words.yes:
         raise InvalidRange(
             f"{n_rigs:,} rigs: more than {MANY_RIGS:,}; add --yes to run them all, or take fewer values"
@@ -184,16 +210,17 @@ def _rigs(typed: Mapping[str, str], words: SweepWords) -> RigOptions:
     return RigOptions.of(
         typed,
         rig=words.rig,
+        **{name: getattr(words, name) for name in (*READING, *PICTURES)},
         preset=words.preset,
         sensor_width=words.sensor_width,
         pixel_pitch=words.pixel_pitch,
     )
 
 
-def _sensor(words: SweepWords) -> dict[str, Any]:
+def _sensor(options: RigOptions, words: SweepWords) -> dict[str, Any]:
     return sensor_words(
         words.sensor,
-        words.rig,
+        options.files,
         blur=words.blur,
         image_noise=words.image_noise,
         full_well=words.full_well,

@@ -151,7 +151,7 @@ def _again(options: RigOptions, words: VerifyWords) -> list[str]:
     """The words that make the same cases again, those left at their defaults left out."""
     said = ["rigsim", "verify"]
     for name, text in options.typed():
-        said += [f"--{name}", text]
+        said += [f"--{name}", text] if text else [f"--{name}"]
     for text in words.scene or ():
         said += ["--scene", text]
     if words.suite != "quick":

@@ -13,8 +13,9 @@ from rigsim.typed import quantity
 from rigsim.typed.axes import numbers_of, values_of
 
 if TYPE_CHECKING:
+    from rigsim.interop.formats.kit.reading import Reading, RigFiles
     from rigsim.rig.remark import Remark
-    from rigsim.rig.stereo import StereoRig
+    from rigsim.rig.stereo import PixelGrid, StereoRig
     from rigsim.study.scene.plan import RigGrid
 
 DEFAULT_PRESET = "boards"
@@ -26,8 +27,17 @@ _SAME_WIDTH = 0.01
 class RigOptions:
     """The words that describe rigs, as typed; None where nothing was."""
 
-    rig: Path | None = None
+    rig: Path | tuple[Path, ...] | None = None
+    """A calibration's file or folder, or its files."""
+    rig_unit: str | None = None
+    rig_size: str | None = None
+    rig_swap: bool = False
+    rig_cameras: str | None = None
+    rig_mode: str | None = None
     preset: str | None = None
+    crop: str | None = None
+    binning: str | None = None
+    resize: str | None = None
     baseline: str | None = None
     focal: str | None = None
     hfov: str | None = None
@@ -44,6 +54,9 @@ class RigOptions:
     def of(cls, typed: Mapping[str, Any], **others: Any) -> RigOptions:
         """From what was typed, by the options' names; axes that do not change the rig are left out."""
         own = {name: text for name, text in typed.items() if name in cls.__dataclass_fields__}
+        paths = others.get("rig")
+        if isinstance(paths, list):
+            others["rig"] = tuple(paths) if len(paths) > 1 else paths[0] if paths else None
         more = ((axis.name, typed.get(axis.name)) for axis in registry.OF_RIG if axis.name not in own)
         return cls(**own, **others, more=tuple((name, text) for name, text in more if text is not None))
 
@@ -52,10 +65,66 @@ class RigOptions:
         own = (
             (name, getattr(self, name))
             for name in type(self).__dataclass_fields__
-            if name not in ("more", "read")
+            if name not in ("more", "read", "rig", "rig_swap")
         )
         said = [(name.replace("_", "-"), str(value)) for name, value in own if value is not None]
-        return [*said, *self.more]
+        files = self.files
+        paths = [] if files is None else [("rig", str(path)) for path in files.paths]
+        return [*paths, *([("rig-swap", "")] if self.rig_swap else []), *said, *self.more]
+
+    @property
+    def files(self) -> RigFiles | None:
+        """The calibration that was named, with what was said of it; None where none was.
+
+        Raises:
+            InvalidRange: what was said cannot be read, or nothing was named that it is about.
+        """
+        from rigsim.interop.formats.kit.reading import RigFiles, RigReading
+
+        size = None if self.rig_size is None else _one_size(self.rig_size, "rig size")
+        said = RigReading(
+            *(self.rig_unit, size, self.rig_swap, _two_names(self.rig_cameras), self.rig_mode),
+            grid=self.pixel_grid,
+        )
+        if self.rig is None:
+            if replace(said, grid=RigReading().grid) != RigReading():
+                raise InvalidRange("--rig-... says something of a calibration: name its file with --rig")
+            return None
+        return RigFiles(self.rig if isinstance(self.rig, tuple) else (self.rig,), said)
+
+    @property
+    def pixel_grid(self) -> PixelGrid:
+        """What is done to the pictures of the rig that was named.
+
+        Raises:
+            InvalidRange: it cannot be read, is said twice, or no rig was named that it is about.
+        """
+        from rigsim.rig.stereo import PixelGrid
+
+        words = (("crop", self.crop), ("binning", self.binning), ("resize", self.resize))
+        typed = [name for name, word in words if word is not None]
+        if typed and not any((self.rig, self.preset, self.read)):
+            raise InvalidRange(f"--{typed[0]} changes the pictures of a rig: name one with --rig or --preset")
+        if self.resize is not None and self.resolution is not None:
+            raise InvalidRange("--resize and --resolution both given: both set the picture's size, give one")
+        return PixelGrid(
+            None if self.crop is None else quantity.rectangle(self.crop, "crop"),
+            None if self.binning is None else quantity.count(self.binning, "binning"),
+            None if self.resize is None else _one_size(self.resize, "resize"),
+        )
+
+    def reading(self) -> Reading | None:
+        """The calibration that was named, as it was read; None where none was.
+
+        Raises:
+            RigsimError: it cannot be read.
+        """
+        files = self.files
+        if files is None:
+            return None
+        from rigsim.interop.formats.calibration import read
+
+        return read(files.paths, files.said)
 
     @property
     def has_size(self) -> bool:
@@ -70,13 +139,12 @@ class RigOptions:
         if self.rig is not None and self.preset is not None:
             raise InvalidRange("--rig and --preset both given: give one")
         if self.read is not None:
-            return self.read
-        if self.rig is not None:
-            from rigsim.interop.formats.calibration import read_calibration
-
-            return read_calibration(self.rig)
+            return self.pixel_grid.apply(self.read)
+        found = self.reading()
+        if found is not None:
+            return found.rig
         name = self.preset or (scene if scene in PRESETS else DEFAULT_PRESET)
-        return preset(name).rig
+        return self.pixel_grid.apply(preset(name).rig)
 
     def each(self) -> list[tuple[str, RigOptions]]:
         """One for each rig of ``--preset a,b`` or ``--rig a.toml,b.toml``, and what it is called.
@@ -84,6 +152,8 @@ class RigOptions:
         Raises:
             InvalidRange: a name is empty, or given twice.
         """
+        if isinstance(self.rig, tuple):
+            return [("rig", self)]
         field, text = ("preset", self.preset) if self.rig is None else ("rig", str(self.rig))
         if text is None:
             return [("rig", self)]
@@ -101,21 +171,36 @@ class RigOptions:
         return [(preset(name).name, replace(self, preset=name)) for name in names]
 
     def mode_remarks(self, rig: StereoRig) -> list[Remark]:
-        """What is odd about a rig that started from a camera one can buy."""
+        """What is odd about a rig that started from a file, or from a camera one can buy."""
+        found, shape = self.reading(), self.shape_remarks()
+        if found is not None:
+            return [*found.remarks, *shape]
         if self.preset is None:
             return []
         from rigsim.rig.presets import preset
 
         odd = preset(self.preset).odd_mode(rig)
-        return [] if odd is None else [odd]
+        return [*([] if odd is None else [odd]), *shape]
+
+    def shape_remarks(self) -> list[Remark]:
+        """What becomes of the named rig's pictures that shall have another shape, unless the lens is said."""
+        unnamed = self.rig is None and self.preset is None
+        if unnamed or self.resolution is None or self.focal is not None or self.hfov is not None:
+            return []
+        from rigsim.study.scene.axes.resolution import shape_remark
+
+        base = self.base(DEFAULT_PRESET)
+        found = (shape_remark(base, *size) for size in quantity.resolutions(self.resolution))
+        return [remark for remark in found if remark is not None]
 
     def disparity_range(self) -> tuple[float, float] | None:
         """Disparities to search, px, as a Middlebury calib.txt says; None where nothing says."""
-        if self.rig is None:
+        files = self.files
+        if files is None:
             return None
         from rigsim.interop.formats.calibration import disparity_range
 
-        return disparity_range(self.rig)
+        return disparity_range(files.paths, files.said.grid)
 
     def published_search(self) -> tuple[tuple[float, float], str] | None:
         """Disparities that the rig's own matcher searches, px, and who says so; None where nobody does."""
@@ -126,7 +211,7 @@ class RigOptions:
             most_px = named.first("max_disparity_px")
             return None if most_px is None else ((0.0, most_px), f"as published of {named.name}")
         told = self.disparity_range()
-        return None if told is None else (told, f"as {self.rig} says")
+        return None if told is None else (told, f"as {self.files} says")
 
     def grid(self, scene: str) -> RigGrid:
         """All rigs asked for.
@@ -162,7 +247,7 @@ class RigOptions:
         grid = self.grid(scene)
         baselines = () if self.baseline is None else quantity.values(self.baseline, quantity.BASELINE)
         return {
-            "rig": grid.base if self.rig is None else self.rig,
+            "rig": self.files or grid.base,
             "baselines_mm": baselines,
             "focals_px": grid.focals_px,
             "hfovs_deg": grid.hfovs_deg,
@@ -228,6 +313,22 @@ class RigOptions:
                     f"sensor width {width_mm:g} mm: {width_px} px of {pitch_mm * 1e3:g} um make "
                     f"{width_px * pitch_mm:.4g} mm; give --sensor-width or --pixel-pitch, not both"
                 )
+
+
+def _one_size(text: str, name: str) -> tuple[int, int]:
+    sizes = quantity.resolutions(text, name)
+    if len(sizes) != 1:
+        raise InvalidRange(f"{name} {text}: must be one width and height, as 1280x720")
+    return sizes[0]
+
+
+def _two_names(text: str | None) -> tuple[str, str] | None:
+    if text is None:
+        return None
+    names = [word.strip() for word in text.split(",")]
+    if len(names) != 2 or not all(names):
+        raise InvalidRange(f"rig cameras {text!r}: name the left and the right one, as 0,1")
+    return names[0], names[1]
 
 
 def single_rig(options: RigOptions, principal: str | None, *, size_for: str = "") -> StereoRig:

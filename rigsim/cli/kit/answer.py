@@ -6,9 +6,11 @@ import contextlib
 import os
 import shlex
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextvars import ContextVar
+from dataclasses import fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import typer
 
@@ -19,10 +21,27 @@ if TYPE_CHECKING:
     from rigsim.rig.remark import Remark
 
 
+_TOLD: ContextVar[tuple[Remark, ...]] = ContextVar("_TOLD", default=())
+"""What was said already of the calibration that a command starts from."""
+
+
+def tell(remarks: Sequence[Remark]) -> None:
+    """Print what is odd about the calibration that a command starts from; no answer prints it again."""
+    _TOLD.set(())
+    print_remarks(remarks)
+    _TOLD.set(tuple(remarks))
+
+
 def print_remarks(remarks: Iterable[Remark]) -> None:
     """Print each remark once, a line each on standard error: ``rigsim: note: ...``."""
-    for text in dict.fromkeys(" ".join(remark.text.split()) for remark in remarks):
-        typer.echo(f"rigsim: note: {text}", err=True)
+    told = {_line(remark) for remark in _TOLD.get()}
+    for text in dict.fromkeys(_line(remark) for remark in remarks):
+        if text not in told:
+            typer.echo(f"rigsim: note: {text}", err=True)
+
+
+def _line(remark: Remark) -> str:
+    return " ".join(remark.text.split())
 
 
 def command() -> str:
@@ -46,6 +65,9 @@ def claim(out: Path | None, force: bool) -> None:
 def deliver(result: Result, out: Path | None, force: bool, as_json: bool) -> None:
     """Write, and print for people or as a document, what came of a command."""
     print_remarks(result.remarks)
+    told = tuple(remark for remark in _TOLD.get() if remark not in result.remarks)
+    if told and any(field.name == "remarks" for field in fields(cast(Any, result))):
+        result = replace(cast(Any, result), remarks=(*told, *result.remarks))
     written = None if out is None else result.write(out, force)
     if as_json:
         print_document(result.document(written))

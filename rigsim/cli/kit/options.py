@@ -5,19 +5,20 @@ from __future__ import annotations
 import functools
 import inspect
 from collections.abc import Callable
-from dataclasses import MISSING, fields
+from dataclasses import MISSING, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, TypeVar, cast, get_type_hints
 
 import typer
 
+from rigsim.cli.kit.answer import tell
 from rigsim.cli.kit.axes import CONTEXT, meant
 from rigsim.study.scene.axes import registry
 from rigsim.typed import quantity
 from rigsim.typed.rigs import RigOptions
 
 if TYPE_CHECKING:
-    pass
+    from rigsim.rig.remark import Remark
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -27,11 +28,47 @@ SensorWidth = Annotated[
 ]
 PixelPitch = Annotated[str | None, typer.Option(metavar="LENGTH", help="Pixel pitch: 3.45um.")]
 RigFile = Annotated[
-    Path | None,
+    list[Path] | None,
     typer.Option(
-        metavar="FILE", help="Start from a rig.toml or another calibration; see docs/reference/export.md."
+        metavar="FILE",
+        help="Start from a rig.toml or another calibration, a file or a folder; twice for two files of one;"
+        " see docs/reference/export.md.",
     ),
 ]
+RigUnit = Annotated[
+    str | None,
+    typer.Option(
+        metavar="UNIT",
+        help="Unit of the --rig file's lengths, where it says none: mm, cm, m, in, or 25mm (squares).",
+    ),
+]
+RigSize = Annotated[
+    str | None, typer.Option(metavar="WxH", help="Image size of a --rig file that has none: 1280x720.")
+]
+RigSwap = Annotated[bool, typer.Option("--rig-swap", help="The --rig file's left camera is the right one.")]
+RigCameras = Annotated[
+    str | None, typer.Option(metavar="A,B", help="Left and right camera of a --rig file with more: 0,1.")
+]
+RigMode = Annotated[
+    str | None, typer.Option(metavar="MODE", help="Which mode of a --rig file that has several: HD.")
+]
+Crop = Annotated[
+    str | None,
+    typer.Option(
+        metavar="X,Y,W,H", help="Cut W x H px out of both pictures of --rig or --preset, from pixel X,Y on."
+    ),
+]
+Binning = Annotated[
+    str | None, typer.Option(metavar="N", help="Average N x N px of --rig's or --preset's pictures: 2.")
+]
+Resize = Annotated[
+    str | None,
+    typer.Option(metavar="WxH", help="Scale --rig's or --preset's pictures, edge to edge: 640x480."),
+]
+READING = ("rig_unit", "rig_size", "rig_swap", "rig_cameras", "rig_mode")
+"""The options that say something of the file that --rig names."""
+PICTURES = ("crop", "binning", "resize")
+"""The options that change the pictures of --rig or --preset, in the order in which they do."""
 PresetName = Annotated[
     str | None, typer.Option(metavar="NAME", help="Start from a rig by name; see rigsim presets.")
 ]
@@ -47,7 +84,9 @@ _RIG_OPTIONS: dict[str, Any] = {
     "sensor_width": SensorWidth,
     "pixel_pitch": PixelPitch,
     "rig": RigFile,
+    **dict(zip(READING, (RigUnit, RigSize, RigSwap, RigCameras, RigMode), strict=True)),
     "preset": PresetName,
+    **dict(zip(PICTURES, (Crop, Binning, Resize), strict=True)),
 }
 
 Principal = Annotated[
@@ -117,6 +156,7 @@ def takes_rig(command: Callable[Concatenate[RigOptions, _P], _R]) -> Callable[..
     def run(context: typer.Context, **words: Any) -> _R:
         typed = meant(registry.OF_RIG, words, context)
         options = RigOptions.of(typed, **{name: words.pop(name) for name in _RIG_OPTIONS if name in words})
+        tell_of_rig(options)
         return cast(Callable[..., _R], command)(options, **words)
 
     own = list(inspect.signature(command, eval_str=True).parameters.values())[1:]
@@ -131,6 +171,20 @@ def takes_rig(command: Callable[Concatenate[RigOptions, _P], _R]) -> Callable[..
     return run
 
 
-def _default(name: str) -> str | None:
+def tell_of_rig(options: RigOptions) -> None:
+    """Say what is odd about the calibration that --rig names, and what becomes of pictures of another shape,
+    before anything is made of it."""
+    remarks: list[Remark] = []
+    each = options.each()
+    for name, one in each:
+        found = one.reading() if one.preset is None else None
+        odd = (*(() if found is None else found.remarks), *one.shape_remarks())
+        remarks += odd if len(each) == 1 else (replace(item, text=f"{name}: {item.text}") for item in odd)
+    tell(remarks)
+
+
+def _default(name: str) -> str | bool | None:
+    if name == "rig_swap":
+        return False
     axis = registry.BY_NAME.get(name)
     return None if axis is None else axis.default

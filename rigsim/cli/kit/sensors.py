@@ -7,7 +7,6 @@ single numbers of whichever it is. Without any of these it is the ideal pinhole 
 from __future__ import annotations
 
 from fractions import Fraction
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -15,6 +14,7 @@ import typer
 from rigsim.typed import quantity
 
 if TYPE_CHECKING:
+    from rigsim.interop.formats.kit.reading import RigFiles
     from rigsim.rig.sensor import Sensor
 
 SensorName = Annotated[
@@ -42,7 +42,7 @@ _READ_NOISE = quantity.QuantityKind("read noise", "e", _ELECTRONS, at_least=0)
 
 def sensor_words(
     name: str | None = None,
-    rig_path: Path | None = None,
+    rig: RigFiles | None = None,
     *,
     blur: str | None = None,
     image_noise: str | None = None,
@@ -53,7 +53,7 @@ def sensor_words(
 
     Args:
         name: A preset's name, in any case; stands in for the rig file's sensor.
-        rig_path: A rig.toml, or another calibration, which has no sensor.
+        rig: A rig.toml, or another calibration, which has no sensor.
         blur: ``PX``.
         image_noise: ``GREY``, a list or a range of it.
         full_well: ``E``, electrons.
@@ -64,7 +64,7 @@ def sensor_words(
         OutputError: the rig file cannot be read.
     """
     return {
-        "sensor": name if name is not None else sensor_of(rig_path),
+        "sensor": name if name is not None else sensor_of(rig),
         "blur_px": None if blur is None else quantity.value(blur, _BLUR),
         "image_noise_grey": () if image_noise is None else quantity.values(image_noise, _IMAGE_NOISE),
         "full_well_e": None if full_well is None else quantity.value(full_well, _FULL_WELL),
@@ -72,10 +72,10 @@ def sensor_words(
     }
 
 
-def sensor_of(rig_path: Path | None) -> Sensor | None:
+def sensor_of(rig: RigFiles | None) -> Sensor | None:
     """The sensor that a rig's file says it has; None where there is no file, or none in it."""
-    if rig_path is None:
+    if rig is None:
         return None
     from rigsim.interop.formats.calibration import calibration_sensor
 
-    return calibration_sensor(rig_path)
+    return calibration_sensor(rig.paths)

@@ -1,144 +1,213 @@
-"""Any calibration file, or folder of them, as a rig: what `--rig` takes.
+"""Any calibration file, pair of them, or folder, as a rig: what `--rig` takes.
 
-A file is known by its name's ending and by what it says, a folder by the names in it.
+A format is known by what its files say, never by the ending of their names.
 """
 
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from rigsim.errors import InvalidRig, OutputError
+from rigsim.errors import OutputError, RigsimError
 from rigsim.interop.formats import middlebury, registry, rig_toml
-from rigsim.interop.formats.format import Format
-from rigsim.interop.formats.values import read_text
+from rigsim.interop.formats.format import File
+from rigsim.interop.formats.kit.files import file_of, read_file, siblings
+from rigsim.interop.formats.kit.reading import AS_IT_IS, Reading, RigFiles, RigReading, reading
+from rigsim.interop.formats.kit.recognise import (
+    Candidate,
+    candidates,
+    chosen,
+    named,
+    unfit,
+    unknown,
+    with_all,
+)
 from rigsim.rig import given
 from rigsim.rig.perturbation import Perturbation
-from rigsim.rig.stereo import StereoRig
+from rigsim.rig.stereo import PixelGrid, StereoRig
 
 if TYPE_CHECKING:
     from rigsim.rig.sensor import Sensor
 
-# what a folder is known by
-_IN_FOLDERS = (
-    *(format.in_folder for format in registry.ALL),
-    *(format.in_dataset for format in registry.ALL if format.in_dataset),
-)
+NOTHING_SAID = RigReading()
 
 
-def read_calibration(path: str | Path) -> StereoRig:
-    """The rig in a calibration file of any format that rigsim writes, or in a folder with one.
+def read(paths: Sequence[str | Path], said: RigReading = NOTHING_SAID) -> Reading:
+    """The rig in a calibration: a file, the files of one calibration, or a folder with them.
 
-    rig.toml; OpenCV's stereo.yml; ROS's left.yaml with right.yaml beside it; Kalibr's camchain.yaml;
-    Middlebury's calib.txt; KITTI's calib_cam_to_cam.txt; COLMAP's cameras.txt with its neighbours; MJCF's
-    rig.xml; Nerfstudio's transforms.json.
+    A file is tried alone, then with its neighbours in the folder; a folder must hold one calibration, or
+    several that say the same.
 
-    A calibration with its right camera on the left side is refused; a rig.toml or rig.xml is taken as it was
-    drawn up.
+    Args:
+        paths: one file or folder, or the files of one calibration.
+        said: what a person says beside them.
 
     Raises:
-        OutputError: it cannot be read, or is a folder with no calibration or with several.
-        InvalidRig: it holds no rig that can be, or has its sides exchanged; the message names the file.
+        OutputError: a file cannot be read, or a folder holds no calibration or several.
+        InvalidRig: the files hold no rig that can be; one line that names them.
+        InvalidRange: what was said cannot be.
     """
-    path = _found(given.path(path, "calibration file"))
-    format = _format(path)
-    rig = format.rig(path)
-    if not format.drawn_up:
-        _check_sides(rig, str(path))
-    return rig
+    places = [given.path(path, "calibration file") for path in paths]
+    if len(places) == 1 and os.path.isdir(places[0]):  # unlike Path's, it takes names of any length
+        made, place = _in_folder(places[0]), str(places[0])
+    else:
+        files = [read_file(path) for path in dict.fromkeys(places)]
+        made, place = _of_files(files), named(files)
+    return _read(made, said, place)
+
+
+def parse(content: str | bytes, said: RigReading = NOTHING_SAID, name: str = "rig") -> Reading:
+    """The rig in the content of one calibration file; `name` is what messages call it.
+
+    Raises:
+        InvalidRig: it holds no rig that can be.
+        InvalidRange: what was said cannot be.
+    """
+    file = file_of(Path(name), content.encode() if isinstance(content, str) else content)
+    made = candidates([file])
+    if not made:
+        raise unknown(file)
+    return _read(made, said, name)
+
+
+def read_calibration(path: str | Path, said: RigReading = NOTHING_SAID) -> StereoRig:
+    """The rig alone of what `read` reads.
+
+    Raises:
+        OutputError, InvalidRig, InvalidRange: as `read`.
+    """
+    return read([path], said).rig
 
 
 def parse_calibration(text: str) -> StereoRig:
-    """The rig in the text of one calibration file; its format is known by what it says.
+    """The rig alone of what `parse` reads.
 
     Raises:
-        InvalidRig: it holds no rig that can be, or has its sides exchanged.
+        InvalidRig: as `parse`.
     """
-    format = registry.of_text(text)
-    assert format.parse is not None, format.name
-    rig = format.parse(text)
-    if not format.drawn_up:
-        _check_sides(rig, "rig")
-    return rig
+    return parse(text).rig
 
 
 def is_toml(text: str) -> bool:
     """Whether the text of a calibration file is a rig.toml's, which alone tells more than the rig."""
-    return registry.of_text(text) is rig_toml.FORMAT
+    return rig_toml.knows(text)
 
 
-def in_folder(path: Path) -> list[str]:
-    """The names in a folder that a calibration is known by."""
-    return [name for name in _IN_FOLDERS if (path / name).is_file()]
+def holds_calibration(folder: Path) -> bool:
+    """Whether a folder holds a calibration."""
+    try:
+        return bool(_in_folder(folder))
+    except RigsimError:
+        return False
 
 
-def calibration_sensor(path: Path) -> Sensor | None:
-    """The sensor in what `read_calibration` reads; only a rig.toml says something of one.
+def paths_of(rig: str | os.PathLike[str]) -> tuple[Path, ...]:
+    """The paths of a calibration, as it is named.
+
+    Raises:
+        InvalidRange: it is no path.
+    """
+    return rig.paths if isinstance(rig, RigFiles) else (given.path(rig, "rig"),)
+
+
+def calibration_sensor(paths: Sequence[Path]) -> Sensor | None:
+    """The sensor in what `read` reads; only a rig.toml says something of one.
 
     Raises:
         OutputError, InvalidRig: as `rigsim.interop.formats.rig_toml.read_sensor`.
     """
-    path = _found(path)
-    return rig_toml.read_sensor(path) if _format(path) is rig_toml.FORMAT else None
+    path = _of_format(paths, rig_toml.FORMAT.name)
+    return None if path is None else rig_toml.read_sensor(path)
 
 
-def calibration_perturbation(path: Path) -> Perturbation | None:
-    """How the built rig differs from what `read_calibration` reads; only a rig.toml says something of it.
+def calibration_perturbation(paths: Sequence[Path]) -> Perturbation | None:
+    """How the built rig differs from what `read` reads; only a rig.toml says something of it.
 
     Raises:
         OutputError, InvalidRig: as `rigsim.interop.formats.rig_toml.read_perturbation`.
     """
-    path = _found(path)
-    return rig_toml.read_perturbation(path) if _format(path) is rig_toml.FORMAT else None
+    path = _of_format(paths, rig_toml.FORMAT.name)
+    return None if path is None else rig_toml.read_perturbation(path)
 
 
-def disparity_range(path: Path) -> tuple[float, float] | None:
-    """Least and largest disparity, px, in what `read_calibration` reads; only Middlebury's calib.txt has one.
+def disparity_range(paths: Sequence[Path], grid: PixelGrid = AS_IT_IS) -> tuple[float, float] | None:
+    """Least and largest disparity, px, in what `read` reads; only Middlebury's calib.txt has one.
+
+    Args:
+        paths: the calibration.
+        grid: what is done to its pictures: disparities grow and shrink with their width.
 
     Raises:
         OutputError, InvalidRig: as `rigsim.interop.formats.middlebury.read_calib`.
     """
-    path = _found(path)
-    if path.suffix.lower() not in middlebury.FORMAT.suffixes or _format(path) is not middlebury.FORMAT:
+    path = _of_format(paths, middlebury.FORMAT.name)
+    found = None if path is None else middlebury.read_calib(path)
+    if found is None or found.disparity_range is None:
         return None
-    return middlebury.read_calib(path).disparity_range
+    scale = grid.apply(found.rig).left.fx / found.rig.left.fx
+    low, high = found.disparity_range
+    return low * scale, high * scale
 
 
-def _format(path: Path) -> Format:
-    """The format of a file, which is looked into only where its name does not tell."""
-    return registry.of_file(path.suffix.lower(), path.name, lambda: read_text(path))
+def _read(made: list[Candidate], said: RigReading, place: str) -> Reading:
+    one, found = chosen(made, said.asked, place)
+    try:
+        return reading(found, one.format.name, said, one.files)
+    except RigsimError as error:
+        raise type(error)(f"{named(one.files)}: {error}") from None
 
 
-def _check_sides(rig: StereoRig, name: str) -> None:
-    if _sides_exchanged(rig):
-        raise InvalidRig(
-            f"{name}: the right camera lies {rig.baseline_m * 1e3:.4g} mm to the left of the left one: the"
-            " cameras are exchanged, or the pose between them is inverted; exchange the cameras in the file"
+def _of_files(files: list[File]) -> list[Candidate]:
+    """The candidates that take all these files: they alone, or else they and their neighbours.
+
+    Raises:
+        InvalidRig: there are none.
+    """
+    made = with_all(candidates(files), files)
+    if made:
+        return made
+    paths = {file.path for file in files}
+    others = [file for file in siblings(files[0].path.parent) if file.path not in paths]
+    made = with_all(candidates([*files, *others]), files)
+    if not made:
+        raise unknown(files[0]) if len(files) == 1 else unfit(files)
+    return made
+
+
+def _in_folder(folder: Path) -> list[Candidate]:
+    """The candidates in a folder, or in the data set whose folder it is.
+
+    Raises:
+        OutputError: there are none.
+    """
+    files = siblings(folder)
+    made = candidates(files)
+    for format in registry.ALL:
+        first = folder / format.in_dataset
+        if not made and format.in_dataset and first.is_file():
+            made = _of_files([read_file(first)])
+    if not made:
+        hints = (str(unknown(file)) for file in files if _is_part(file))
+        hint = next(hints, None)
+        if hint is not None:
+            raise OutputError(f"{folder}: holds no whole calibration: {hint}")
+        *others, last = (format.in_folder for format in registry.ALL)
+        raise OutputError(
+            f"{folder}: holds no calibration; name a folder with {', '.join(others)} or {last}, for example"
         )
+    return made
 
 
-def _sides_exchanged(rig: StereoRig) -> bool:
-    """Whether both cameras of a horizontal pair see the other one on the wrong side."""
-    right_in_left, left_in_right = rig.right_from_left.inverse.t, rig.right_from_left.t
-    sideways = all(abs(place[0]) == np.abs(place).max() for place in (right_in_left, left_in_right))
-    return bool(sideways and right_in_left[0] < 0 < left_in_right[0])
+def _is_part(file: File) -> bool:
+    return any(format.lacks is not None and format.lacks(file) for format in registry.ALL)
 
 
-def _found(path: Path) -> Path:
-    """The file itself, or the one calibration in a folder."""
-    if not os.path.isdir(path):  # unlike Path's, it takes names of any length
-        return path
-    found = in_folder(path)
-    if not found:
-        raise OutputError(f"{path}: holds no calibration; name a folder with {_known()}")
-    if len(found) > 1:
-        raise OutputError(f"{path}: holds {', '.join(found)}; name one of them")
-    return path / found[0]
-
-
-def _known() -> str:
-    *others, last = (format.in_folder for format in registry.ALL)
-    return f"{', '.join(others)} or {last}"
+def _of_format(paths: Sequence[Path], format: str) -> Path | None:
+    """The file that makes a rig of `format`, where `paths` are of that format."""
+    if len(paths) != 1:
+        return None
+    (path,) = paths
+    made = _in_folder(path) if os.path.isdir(path) else candidates([read_file(path)])
+    return next((one.files[0].path for one in made if one.format.name == format), None)

@@ -58,6 +58,32 @@ def alone(knows: Callable[[str], bool]) -> Callable[[Sequence[File]], list[tuple
     return lambda files: [(file,) for file in files if knows(file.text)]
 
 
+_PAIRS = (("left", "right"), ("0", "1"), ("1", "2"), ("cam0", "cam1"), ("l", "r"))
+
+
+def names_sides(asked: Asked) -> bool:
+    """Whether ``--rig-cameras`` asks a file that has a left and a right camera for the right one first.
+
+    Raises:
+        InvalidRig: it asks for cameras that such a file does not have.
+    """
+    if asked.cameras is None:
+        return False
+    first, second = (word.lower() for word in asked.cameras)
+    if (first, second) in _PAIRS:
+        return False
+    if (second, first) in _PAIRS:
+        return True
+    raise InvalidRig(
+        f"cameras {','.join(asked.cameras)}: the file has left and right; leave --rig-cameras out"
+    )
+
+
+def swapped(rig: StereoRig) -> StereoRig:
+    """The rig with its right camera for the left one."""
+    return StereoRig(rig.right, rig.left, rig.right_from_left.inverse)
+
+
 def _never(_: str) -> bool:
     """Of a format of several files, none of which says enough."""
     return False
@@ -72,7 +98,7 @@ class Format:
     says: str
     """What it is, a phrase for lists."""
     suffixes: tuple[str, ...]
-    """Endings of its files, small."""
+    """Endings that its files mostly have, small: for people, nothing is known by them."""
     in_folder: str
     """The name that a folder with it is known by."""
     in_dataset: str = ""
@@ -90,7 +116,8 @@ class Format:
     drawn_up: bool = False
     """Whether a rig is taken as somebody drew it up: its right camera may lie on the left side."""
     late: bool = False
-    """Whether its `knows` holds for others' texts as well: it is asked last."""
+    """Whether it also makes rigs of others' files, which have the same names for the same things: those that another
+    format takes are not its own."""
     otherwise: tuple[str, ...] = ()
     """Endings of which it takes the files that no format knows."""
     groups: Callable[[Sequence[File]], list[tuple[File, ...]]] | None = None
@@ -98,6 +125,9 @@ class Format:
     `open` takes them."""
     open: Callable[[tuple[File, ...], Asked], Found] | None = None
     """The rig in one of `groups`' sets, or `InvalidRig` with one line that does not name the file."""
+    lacks: Callable[[File], str | None] | None = None
+    """What a file of this format lacks to make a rig, one line that does not name it; None where it is of
+    another format, or lacks nothing."""
 
     def rig(self, path: Path) -> StereoRig:
         """The rig in the file at `path`.

@@ -20,7 +20,7 @@ import numpy as np
 
 from rigsim import foreign
 from rigsim.errors import InvalidImage, InvalidRig
-from rigsim.interop.formats.format import Format
+from rigsim.interop.formats.format import Asked, File, Format, Found, alone, names_sides, swapped
 from rigsim.pixels.dense.pfm import parse_pfm
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
@@ -57,20 +57,21 @@ def read_calib(path: str | Path) -> MiddleburyCalibration:
 
 
 def parse_calib(text: str, name: str = "calib.txt") -> MiddleburyCalibration:
-    """The calibration that the `text` of a calib.txt describes; `name` stands in messages.
+    """The calibration that the `text` of a calib.txt describes; `name` stands in messages, if any.
 
     Raises:
         InvalidRig: a line is missing or contradicts another one.
     """
+    name = f"{name}: " if name else ""
     values = {match[1]: match[2] for line in text.splitlines() if (match := _LINE.match(line))}
     left, right = _matrix(values, "cam0", name), _matrix(values, "cam1", name)
     baseline_mm, doffs = _number(values, "baseline", name), _number(values, "doffs", name)
     width, height = _pixels(values, "width", name), _pixels(values, "height", name)
     if not np.array_equal(left[:2, :2], right[:2, :2]) or left[1, 2] != right[1, 2]:
-        raise InvalidRig(f"{name}: cam0 and cam1 must share focal lengths and cy: the pair is not rectified")
+        raise InvalidRig(f"{name}cam0 and cam1 must share focal lengths and cy: the pair is not rectified")
     if abs(right[0, 2] - left[0, 2] - doffs) > _DOFFS_TOLERANCE_PX:
         raise InvalidRig(
-            f"{name}: doffs {doffs:g} px: must be cx1 - cx0 = {right[0, 2] - left[0, 2]:g}; are the cameras"
+            f"{name}doffs {doffs:g} px: must be cx1 - cx0 = {right[0, 2] - left[0, 2]:g}; are the cameras"
             " swapped?"
         )
 
@@ -196,7 +197,7 @@ def _matrix(values: dict[str, str], key: str, name: str) -> Array:
         K = np.empty(0)
     shape_fits = K.shape == (3, 3)
     if not (shape_fits and np.isfinite(K).all() and K[0, 1] == K[1, 0] == 0 and (K[2] == (0, 0, 1)).all()):
-        raise InvalidRig(f"{name}: {key}={text}: must be [f 0 cx; 0 f cy; 0 0 1]")
+        raise InvalidRig(f"{name}{key}={text}: must be [f 0 cx; 0 f cy; 0 0 1]")
     return K
 
 
@@ -205,19 +206,19 @@ def _number(values: dict[str, str], key: str, name: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise InvalidRig(f"{name}: {key}={text}: must be a number") from None
+        raise InvalidRig(f"{name}{key}={text}: must be a number") from None
 
 
 def _pixels(values: dict[str, str], key: str, name: str) -> int:
     value = _number(values, key, name)
     if not (value.is_integer() and value >= 1):
-        raise InvalidRig(f"{name}: {key}={value:g}: must be a whole number of px >= 1")
+        raise InvalidRig(f"{name}{key}={value:g}: must be a whole number of px >= 1")
     return int(value)
 
 
 def _given(values: dict[str, str], key: str, name: str) -> str:
     if key not in values:
-        raise InvalidRig(f"{name}: no line {key}=...: a Middlebury calib.txt has one")
+        raise InvalidRig(f"{name}no line {key}=...: a Middlebury calib.txt has one")
     return values[key]
 
 
@@ -229,15 +230,18 @@ def knows(text: str) -> bool:
     return _KNOWN.search(text) is not None
 
 
+def _open(files: tuple[File, ...], asked: Asked) -> Found:
+    rig = parse_calib(files[0].text, "").rig
+    return Found(swapped(rig) if names_sides(asked) else rig)
+
+
 FORMAT = Format(
     "middlebury",
     "Middlebury's stereo data sets, 2014 and later",
     (".txt",),
     FILE_NAME,
     "000000/calib.txt",
-    knows=knows,
-    parse=lambda text: parse_calib(text).rig,
-    read=lambda path: read_calib(path).rig,
+    groups=alone(knows),
+    open=_open,
     write=lambda rig: {FILE_NAME: calib_text(rig)},
-    otherwise=(".txt",),
 )

@@ -1,58 +1,61 @@
-"""A calibration as OpenCV's FileStorage writes and reads it: ``stereo.yml``.
+"""A calibration as OpenCV's FileStorage reads it: ``stereo.yml``.
 
 ``K1, D1, K2, D2`` (left, right), ``R`` and ``T`` as `cv2.stereoCalibrate` returns them, mapping the left
 camera's frame to the right one's, ``x_right = R x_left + T``; ``T`` in metres. A rectified rig also has
-``R1, R2, P1, P2, Q`` as `cv2.stereoRectify` returns them.
+``R1, R2, P1, P2, Q`` as `cv2.stereoRectify` returns them. ``D`` has 5, 8, 12 or 14 terms; two fisheyes have
+the four of `cv2.fisheye` and say so, two omnidirectional cameras those of `cv2.omnidir`, and ``xi1, xi2``.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
 from rigsim.errors import InvalidRig
 from rigsim.interop.files.folder import write_file
-from rigsim.interop.formats.format import Format
-from rigsim.interop.formats.values import (
-    lens,
-    matrix,
-    member,
-    numbers,
-    opencv_distortion,
-    pixels,
-    reals,
-    rotation,
-)
-from rigsim.interop.formats.yaml_text import yaml_table
+from rigsim.interop.formats.tables.terms import opencv_terms
+from rigsim.interop.formats.values import real, reals
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.distortion import brown_of
-from rigsim.rig.pose import Pose
+from rigsim.rig.lens.kannala_brandt import KannalaBrandt
+from rigsim.rig.lens.mei import Mei
 from rigsim.rig.stereo import StereoRig
 
 FILE_NAME = "stereo.yml"
 
-_HEAD = """\
-%YAML:1.0
----
-# rigsim stereo rig. T and the baseline in metres; x_right = R x_left + T; integer pixel = pixel centre.
-"""
+_FISHEYE = "fisheye"
+
+IN_METRES = "# rigsim stereo rig. T and the baseline in metres;"
+"""How rigsim's own file says its unit."""
+
+_HEAD = f"%YAML:1.0\n---\n{IN_METRES} x_right = R x_left + T; integer pixel = pixel centre.\n"
 
 
 def opencv_yaml(rig: StereoRig) -> str:
-    """The text of a stereo.yml of `rig`, every digit kept."""
+    """The text of a stereo.yml of `rig`, every digit kept.
+
+    Raises:
+        InvalidRig: OpenCV has no such lens, or no function that takes the two together.
+    """
     left, right = rig.left, rig.right
+    kinds = [_kind(camera) for camera in (left, right)]
+    if kinds[0] != kinds[1]:
+        raise InvalidRig(f"left lens is {kinds[0]}, right one {kinds[1]}: OpenCV takes two of one kind")
     lines = [f"image_width: {left.width}", f"image_height: {left.height}"]
     if (right.width, right.height) != (left.width, left.height):
         lines += [f"image_width_right: {right.width}", f"image_height_right: {right.height}"]
+    if kinds[0] == _FISHEYE:
+        lines += [f"distortion_model: {_FISHEYE}"]
+    lines += [
+        f"xi{i}: {real(camera.lens.xi)}" for i, camera in _numbered(rig) if isinstance(camera.lens, Mei)
+    ]
     matrices: dict[str, Array] = {
         "K1": left.K,
-        "D1": coefficients(left)[None],
+        "D1": np.array([_terms(left)]),
         "K2": right.K,
-        "D2": coefficients(right)[None],
+        "D2": np.array([_terms(right)]),
         "R": rig.right_from_left.R,
         "T": rig.right_from_left.t[:, None],
     }
@@ -61,33 +64,36 @@ def opencv_yaml(rig: StereoRig) -> str:
     return _HEAD + "\n".join([*lines, *(_matrix_text(name, M) for name, M in matrices.items())]) + "\n"
 
 
+def _kind(camera: Intrinsics) -> str:
+    """What of OpenCV's modules the lens is of."""
+    if isinstance(camera.lens, KannalaBrandt):
+        return _FISHEYE
+    return "omnidir" if isinstance(camera.lens, Mei) else "calib3d"
+
+
+def _numbered(rig: StereoRig) -> tuple[tuple[int, Intrinsics], tuple[int, Intrinsics]]:
+    return (1, rig.left), (2, rig.right)
+
+
+def _terms(camera: Intrinsics) -> tuple[float, ...]:
+    """``D`` of a camera, as short as OpenCV takes it."""
+    lens = camera.lens
+    if isinstance(lens, KannalaBrandt):
+        return lens.k1, lens.k2, lens.k3, lens.k4
+    if isinstance(lens, Mei):
+        return lens.k1, lens.k2, lens.p1, lens.p2
+    terms = opencv_terms(lens, "OpenCV, beside fisheyes and omnidirectional ones,")
+    return terms[: next(count for count in (5, 8, 12, 14) if not any(terms[count:]))]
+
+
 def write_opencv_yaml(path: Path, rig: StereoRig) -> None:
     """Write `rig` to the file `path`, whole or not at all.
 
     Raises:
         OutputError: it cannot be written.
+        InvalidRig: as `opencv_yaml`.
     """
     write_file(path, opencv_yaml(rig).encode())
-
-
-def parse_opencv_yaml(text: str) -> StereoRig:
-    """The rig in the text of a stereo.yml; ``M1`` and ``M2`` may stand for ``K1`` and ``K2``.
-
-    Raises:
-        InvalidRig: no YAML, a matrix is missing, or values cannot be.
-    """
-    table = yaml_table(text)
-    width = pixels(member(table, "image_width"), "image_width")
-    height = pixels(member(table, "image_height"), "image_height")
-    width_right = pixels(table.get("image_width_right", width), "image_width_right")
-    height_right = pixels(table.get("image_height_right", height), "image_height_right")
-    R = rotation(matrix(member(table, "R"), "R", 3, 3), "R")
-    T = numbers(_flat(member(table, "T")), "T", 3)
-    if not T.any():
-        raise InvalidRig("T 0, 0, 0: must be the way from one camera to the other, m")
-    return StereoRig(
-        _camera(table, "1", width, height), _camera(table, "2", width_right, height_right), Pose(R, T)
-    )
 
 
 def coefficients(camera: Intrinsics) -> Array:
@@ -117,39 +123,9 @@ def rectified_matrices(rig: StereoRig) -> dict[str, Array]:
     return {"R1": np.eye(3), "R2": np.eye(3), "P1": P1, "P2": P2, "Q": Q}
 
 
-def _camera(table: Mapping[str, object], side: str, width: int, height: int) -> Intrinsics:
-    key = f"M{side}" if f"M{side}" in table and f"K{side}" not in table else f"K{side}"
-    K = matrix(member(table, key), key, 3, 3)
-    name = f"D{side}"
-    distortion = opencv_distortion(numbers(_flat(table.get(name, [])), name), name)
-    return lens(width, height, K, distortion, key)
-
-
-def _flat(value: object) -> object:
-    """The numbers of a row or a column."""
-    if isinstance(value, list):
-        return [item for row in value for item in (row if isinstance(row, list) else [row])]
-    return value
-
-
 def _matrix_text(name: str, M: Array) -> str:
     rows = ",\n      ".join(reals(row) for row in M)
     return (
         f"{name}: !!opencv-matrix\n   rows: {M.shape[0]}\n   cols: {M.shape[1]}\n   dt: d\n"
         f"   data: [ {rows} ]"
     )
-
-
-_A_KEY = re.compile(r"^\s*\w+\s*:", re.MULTILINE)
-
-FORMAT = Format(
-    "opencv",
-    "OpenCV's FileStorage, as its calibration and rectification samples write it",
-    (".yml", ".yaml"),
-    FILE_NAME,
-    knows=lambda text: text.startswith("%YAML") or _A_KEY.search(text) is not None,
-    parse=parse_opencv_yaml,
-    write=lambda rig: {FILE_NAME: opencv_yaml(rig)},
-    late=True,
-    otherwise=(".yml", ".yaml"),
-)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 
 from rigsim.errors import InvalidRange, InvalidRig
@@ -13,23 +14,62 @@ from rigsim.interop.formats import (
     middlebury,
     mjcf,
     nerfstudio,
-    opencv_yaml,
     rig_toml,
     ros,
 )
-from rigsim.interop.formats.format import Format
+from rigsim.interop.formats.format import Asked, File, Format, Found
+from rigsim.interop.formats.makers import matlab, oak, realsense, zed
+from rigsim.interop.formats.opencv import calibration as opencv
+from rigsim.interop.formats.photogrammetry import mrcal
+from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.export.approximate import nearest_rig
 
-ALL: tuple[Format, ...] = (
-    rig_toml.FORMAT,
-    opencv_yaml.FORMAT,
-    ros.FORMAT,
-    kalibr.FORMAT,
-    middlebury.FORMAT,
-    kitti.FORMAT,
-    colmap.FORMAT,
-    mjcf.FORMAT,
-    nerfstudio.FORMAT,
+
+def _by_name(format: Format) -> Format:
+    """A format that still tells its files by their names, as one that tells them by what they say."""
+    if format.groups is not None:
+        return format
+
+    def groups(files: Sequence[File]) -> list[tuple[File, ...]]:
+        if format.read is not None:
+            named = {file.name: file for file in files if file.name in format.names}
+            first = named.get(format.names[0])
+            if first is None:
+                return []
+            others = (named[name] for name in format.names[1:] if name in named)
+            return [(first, *others)]
+        must = {"mjcf": "<mujoco", "nerfstudio": '"transform_matrix"'}.get(format.name, "")
+        return [(file,) for file in files if must in file.text and format.knows(file.text)]
+
+    def opened(files: tuple[File, ...], asked: Asked) -> Found:
+        if format.read is not None:
+            return Found(format.read(files[0].path))
+        assert format.parse is not None, format.name
+        return Found(format.parse(files[0].text))
+
+    return replace(format, groups=groups, open=opened)
+
+
+ALL: tuple[Format, ...] = tuple(
+    _by_name(format)
+    for format in (
+        rig_toml.FORMAT,
+        opencv.FORMAT,
+        ros.FORMAT,
+        kalibr.FORMAT,
+        middlebury.FORMAT,
+        kitti.FORMAT,
+        colmap.FORMAT,
+        mjcf.FORMAT,
+        nerfstudio.FORMAT,
+        oak.FORMAT,
+        realsense.FORMAT,
+        zed.FORMAT,
+        matlab.FORMAT,
+        mrcal.FORMAT,
+    )
 )
 """All that are read."""
 
@@ -55,29 +95,46 @@ def rig_files(rig: StereoRig, format: str) -> dict[str, bytes]:
         texts = RIG_FORMATS[format](rig)
     except InvalidRig as error:
         able = ", ".join(name for name in RIG_FORMATS if _holds(name, rig)) or OURS_ALONE
-        raise InvalidRig(f"format {format}: {error}; formats that hold this rig: {able}") from None
+        straight = StereoRig(replace(rig.left, lens=None), replace(rig.right, lens=None), rig.right_from_left)
+        or_fit = "; or fit its nearest lens with --approximate" if _holds(format, straight) else ""
+        raise InvalidRig(f"format {format}: {error}; formats that hold this rig: {able}{or_fit}") from None
     return {name: text.encode() for name, text in texts.items()}
 
 
-def of_text(text: str) -> Format:
-    """The format of one file's text."""
-    return next(format for format in _in_turn(ALL) if format.parse is not None and format.knows(text))
+def approximate_files(rig: StereoRig, format: str) -> tuple[dict[str, bytes], tuple[Remark, ...]]:
+    """As `rig_files`, with the nearest lenses that the format has where it lacks the rig's own.
+
+    The remarks tell how far the pixels are off.
+
+    Raises:
+        InvalidRange: there is no such format.
+        InvalidRig: the format cannot hold the rig, or has no lens that shows what the rig's do.
+    """
+    if format not in RIG_FORMATS or _holds(format, rig):
+        return rig_files(rig, format), ()
+    found = nearest_rig(rig, lambda other: _holds(format, other))
+    if found is None:
+        try:
+            rig_files(rig, format)
+        except InvalidRig as error:
+            why = str(error).partition("; or fit its nearest lens")[0]
+            raise InvalidRig(f"{why}; no lens that it has shows all that these do") from None
+    assert found is not None
+    fitted, both = found
+    remarks = tuple(
+        Remark(
+            "approximate",
+            f"the {side} lens, {_called(own)}, was fitted by {_called(fit.camera)}: off by"
+            f" {fit.rms_px:.2g} px rms over the image, {fit.largest_px:.2g} px at most",
+        )
+        for side, own, fit in zip(("left", "right"), (rig.left, rig.right), both, strict=True)
+        if fit.camera is not own
+    )
+    return rig_files(fitted, format), remarks
 
 
-def of_file(suffix: str, name: str, text: Callable[[], str]) -> Format:
-    """The format of a file, by its ending and name, and by its text where these do not tell."""
-    able = [format for format in ALL if suffix in format.suffixes]
-    named = [format for format in able if name in format.names]
-    if len(able) < 2 or named:
-        return (named or able or [rig_toml.FORMAT])[0]
-    said = text()
-    known = (format for format in _in_turn(able) if format.knows(said))
-    return next(known, next(format for format in able if suffix in format.otherwise))
-
-
-def _in_turn(formats: tuple[Format, ...] | list[Format]) -> list[Format]:
-    # of those that are asked last, rig.toml takes all that is left
-    return sorted(formats, key=lambda format: (format.late, format is rig_toml.FORMAT))
+def _called(camera: Intrinsics) -> str:
+    return "pinhole" if camera.lens is None else camera.lens.model
 
 
 def _holds(format: str, rig: StereoRig) -> bool:

@@ -38,6 +38,7 @@ Numbers are read and scaled as decimals, so what was written is read back bit fo
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Callable
 from dataclasses import fields
@@ -47,7 +48,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from rigsim import foreign
 from rigsim.errors import InvalidRig
-from rigsim.interop.formats.format import Format
+from rigsim.interop.formats.format import Asked, File, Format, Found, alone, names_sides, swapped
 from rigsim.interop.formats.tables.lens import LARGEST
 from rigsim.interop.formats.tables.rig import (
     perturbation_from_table,
@@ -266,14 +267,28 @@ def _millimetres(value_m: float) -> str:
     return text if "." in text or "E" in text else f"{text}.0"
 
 
+_OWN = re.compile(
+    r"^\s*(?:\[\s*right_from_left\s*\]|(?:baseline_mm|width_px|height_px|focal_px|focal_mm|hfov_deg|vergence_deg"
+    r"|fx_px|fy_px|t_mm|rotvec_deg)\s*=)",
+    re.MULTILINE,
+)
+
+
+def knows(text: str) -> bool:
+    """Whether a text is a rig.toml's: it has one of its keys, with its unit."""
+    return _OWN.search(text) is not None
+
+
+def _open(files: tuple[File, ...], asked: Asked) -> Found:
+    rig = parse_rig(files[0].text)
+    return Found(swapped(rig) if names_sides(asked) else rig)
+
+
 FORMAT = Format(
     "rig.toml",
     "rigsim's own",
     (".toml",),
     "rig.toml",
-    knows=lambda text: True,
-    parse=parse_rig,
-    read=read_rig,
-    drawn_up=True,
-    late=True,
+    groups=alone(knows),
+    open=_open,
 )

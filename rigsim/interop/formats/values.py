@@ -6,6 +6,7 @@ import math
 import reprlib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,11 +15,26 @@ from rigsim.errors import InvalidRig, OutputError
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.distortion import BrownConrady
+from rigsim.rig.lens.lens import Lens
+from rigsim.rig.lens.rational import Rational
+from rigsim.rig.remark import Remark
+
+if TYPE_CHECKING:
+    from rigsim.interop.formats.format import Asked
 
 _LARGEST = 1e12
 _ROUNDED_ROTATION = 2e-3  # three decimals of a rotation's numbers
 _EXACT_ROTATION = 1e-11
 _SHOWN = 40
+_FAR_OFF = 0.12  # of the diagonal: further from the middle no principal point tells a size
+_SIZES = (
+    (640, 480), (1280, 720), (1920, 1080), (1280, 800), (752, 480), (1280, 960), (1920, 1200),
+    (1280, 1024), (640, 400), (640, 360), (320, 240), (848, 480), (800, 600), (1024, 768), (1600, 1200),
+    (2448, 2048), (960, 540), (512, 512), (1024, 1024), (1440, 1080), (1936, 1216), (2048, 1536),
+    (2048, 2048), (2208, 1242), (672, 376), (960, 600), (1624, 1240), (2592, 1944), (3280, 2464),
+    (3840, 2160), (4032, 3024), (4056, 3040),
+)  # fmt: skip
+"""Sizes that cameras have, px, the commonest first."""
 _BRIEF = reprlib.Repr()
 _BRIEF.maxlevel, _BRIEF.maxlist, _BRIEF.maxdict, _BRIEF.maxstring = 3, 8, 4, 2 * _SHOWN
 
@@ -167,7 +183,7 @@ def quaternion_from_rotvec(rotvec_rad: Array) -> tuple[float, float, float, floa
     return math.cos(half), x, y, z
 
 
-def lens(width: int, height: int, K: Array, distortion: BrownConrady | None, name: str) -> Intrinsics:
+def lens(width: int, height: int, K: Array, distortion: Lens | None, name: str) -> Intrinsics:
     """The camera of a camera matrix `K` (3, 3), px.
 
     Raises:
@@ -181,23 +197,58 @@ def lens(width: int, height: int, K: Array, distortion: BrownConrady | None, nam
     )
 
 
-def opencv_distortion(D: Array, name: str) -> BrownConrady | None:
-    """Distortion from OpenCV's k1, k2, p1, p2[, k3[, k4, k5, k6, ...]], as many as are given; None for none.
+def opencv_distortion(D: Array, name: str) -> BrownConrady | Rational | None:
+    """The lens of OpenCV's k1, k2, p1, p2[, k3[, k4 to k6[, s1 to s4[, tau_x, tau_y]]]]; None if ideal.
 
     Raises:
-        InvalidRig: terms beyond k3 are not 0.
+        InvalidRig: there are not 0, 4, 5, 8, 12 or 14 of them.
     """
     if len(D) not in (0, 4, 5, 8, 12, 14):
-        raise InvalidRig(f"{name}: has {len(D)} numbers, must be 4 (k1, k2, p1, p2), 5 (and k3), or 8 to 14")
-    beyond = [float(value) for value in D[5:] if value != 0]
-    if beyond:
-        raise InvalidRig(
-            f"{name}: a term beyond k3 is {beyond[0]:g}, must be 0: rigsim's lens has k1, k2, p1, p2, k3;"
-            " calibrate with those"
-        )
-    k1, k2, p1, p2, k3 = (float(value) for value in (*D, *[0.0] * 5)[:5])
-    found = BrownConrady(k1, k2, p1, p2, k3)
-    return None if found == BrownConrady() else found
+        raise InvalidRig(f"{name}: has {len(D)} numbers, must be 4 (k1, k2, p1, p2), 5 (and k3), 8, 12 or 14")
+    terms = [float(value) for value in D]
+    if not any(terms):
+        return None
+    return Rational(*terms) if any(terms[5:]) else BrownConrady(*terms[:5])
+
+
+def size_or_guess(
+    asked: Asked, principals: Iterable[tuple[float, float]], at_least: tuple[float, float] = (1, 1)
+) -> tuple[int, int, Remark | None]:
+    """Width and height, px, of the pictures of a file that does not say them, and what is to be said of it.
+
+    It is the size that the person said. Where they said none, it is the commonest size of a camera whose
+    middle lies nearest to the principal points, and the remark ``no_size`` says that it was assumed.
+
+    Args:
+        asked: what the person said.
+        principals: (cx, cy) of each camera, px.
+        at_least: a width and a height that the pictures are known to have, px, as the corner of a region.
+
+    Raises:
+        InvalidRig: nothing was said, and no usual size fits; or what was said is less than `at_least`.
+    """
+    if asked.size_px is not None:
+        width, height = asked.size_px
+        if width < at_least[0] or height < at_least[1]:
+            raise InvalidRig(
+                f"image size {width}x{height}: the file has regions up to {at_least[0]:g},{at_least[1]:g} px"
+            )
+        return width, height, None
+    cx, cy = (float(value) for value in np.mean(list(principals), axis=0))
+
+    def off(size: tuple[int, int]) -> float:
+        return math.hypot(cx - (size[0] - 1) / 2, cy - (size[1] - 1) / 2)
+
+    fitting = [size for size in _SIZES if size[0] >= at_least[0] and size[1] >= at_least[1]]
+    nearest = min(fitting, key=off, default=None)
+    if nearest is None or not off(nearest) <= _FAR_OFF * math.hypot(*nearest):
+        raise InvalidRig("has no image size: give it as --rig-size 1280x720")
+    width, height = nearest
+    text = (
+        f"the calibration has no image size: {width}x{height} assumed, the usual size whose middle lies"
+        f" nearest to the principal points (mean {cx:.4g}, {cy:.4g}); give the true one as --rig-size WxH"
+    )
+    return width, height, Remark("no_size", text)
 
 
 def shown(value: object) -> str:

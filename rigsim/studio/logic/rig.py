@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rigsim.errors import InvalidRange, InvalidRig
+from rigsim.errors import InvalidRig
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
@@ -75,11 +75,7 @@ def taken_in(name: str, content: bytes) -> str:
     Raises:
         RigsimError: it holds no rig.
     """
-    from rigsim.interop.formats.calibration import parse_calibration
+    from rigsim.interop.formats.calibration import parse
     from rigsim.interop.formats.rig_toml import write_rig
 
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise InvalidRange(f"{name[:60]}: is no text; load a rig.toml or another calibration file") from None
-    return pack(write_rig(parse_calibration(text), f"from {name[:60]}"))
+    return pack(write_rig(parse(content, name=name[:60]).rig, f"from {name[:60]}"))

@@ -1,0 +1,1 @@
+"""What reads any calibration: files, what a person says beside them, and which format they are of."""

@@ -1,0 +1,1 @@
+"""Calibrations of OpenCV's functions, under whichever names people store what these return."""
