@@ -1,18 +1,17 @@
 """Pictures through any lens, of a renderer that knows only pinholes.
 
-One wider pinhole picture is enough for most lenses (`rigsim.sim.lens`). Where it is not, because a lens sees to
-its sides or behind itself, up to six pinholes that look along the axes of a cube about the camera are drawn,
-each as large and as fine as what the lens shows through it. A pixel's light is then the mean over the rays of
-its finer pixels, each of them looked up in its face by a cubic spline. Pixels that the lens leaves dark are 0.
+One wider pinhole picture is enough for most lenses (`rigsim.sim.lens`). Where it is not, because a lens sees
+to its sides or behind itself, up to six pinholes that look along the axes of a cube about the camera are
+drawn, each as large and as fine as what the lens shows through it. A pixel's light is then the mean over the
+rays of its finer pixels, each looked up in its face by a cubic spline; 0 where the lens shows nothing.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -97,7 +96,7 @@ def draw(renderer: Renderer, side: int, camera: Intrinsics, supersample: int) ->
     return distort_image(renderer.light(side, wide, 1), wide, camera).astype(np.float32)
 
 
-def through_faces(renderer: Renderer, side: int, camera: Intrinsics, order: int = 3) -> Light:
+def through_faces(renderer: Renderer, side: int, camera: Intrinsics, order: Literal[1, 3] = 3) -> Light:
     """Light (H, W, 3) along the rays of the pixels' centres, by splines of an order: 1 is quick, 3 is true.
 
     Raises:
@@ -113,15 +112,15 @@ def through_faces(renderer: Renderer, side: int, camera: Intrinsics, order: int 
     return light.reshape(camera.height, camera.width, 3)
 
 
-def _look_up(picture: Light, face: Face, light: Light, order: int) -> None:
+def _look_up(picture: Light, face: Face, light: Light, order: Literal[1, 3]) -> None:
     from scipy.ndimage import map_coordinates, spline_filter  # heavy, and not always needed
 
-    coefficients = picture if order == 1 else spline_filter(picture, order, np.float32, "mirror")
+    spline = picture if order == 1 else spline_filter(picture, order=3, mode="mirror", output=np.float32)
     for start in range(0, len(face.pixels), _AT_ONCE):
         part = slice(start, start + _AT_ONCE)
-        uv = face.lens.denormalize(face.normalized[part])
+        rows_and_columns = face.lens.denormalize(face.normalized[part]).T[::-1]
         light[face.pixels[part]] = map_coordinates(
-            coefficients, (uv[:, 1], uv[:, 0]), np.float32, order, "mirror", prefilter=False
+            spline, rows_and_columns, order=order, prefilter=False, mode="mirror"
         )
 
 
@@ -181,11 +180,7 @@ def _focal_lengths(camera: Intrinsics) -> Array:
 
     A pinhole shows a step of an angle least finely in its middle, and there by its focal length.
     """
-    u, v = np.meshgrid(
-        np.linspace(0, camera.width - 1, _PROBES), np.linspace(0, camera.height - 1, _PROBES)
-    )
-    rays = camera.ray(np.column_stack([u.ravel(), v.ravel()]))
-    rays = rays[np.isfinite(rays[:, 2])]
+    rays = _probed(camera)
     need = px_per_rad(camera, rays) * np.abs(rays).max(axis=1)
     which = _face(rays)
     found = np.full(len(_TURNS), max(camera.fx, camera.fy))
@@ -193,6 +188,23 @@ def _focal_lengths(camera: Intrinsics) -> Array:
         # towards a lens's end the scale may grow beyond all bounds, for next to no pixels
         found[index] = np.nanquantile(need[which == index], 0.995)
     return found
+
+
+@lru_cache(maxsize=8)
+def field(camera: Intrinsics) -> tuple[float, float]:
+    """The widest angle to its axis at which the camera shows something, rad, and its largest `px_per_rad`."""
+    rays = _probed(camera)
+    if not len(rays):
+        return 0.0, max(camera.fx, camera.fy)
+    return float(np.arccos(rays[:, 2].clip(-1, 1)).max()), float(np.nanmax(px_per_rad(camera, rays)))
+
+
+def _probed(camera: Intrinsics) -> Array:
+    """Unit rays (N, 3) of pixels spread over the picture, its corners included, where the lens shows any."""
+    u = np.linspace(-0.5, camera.width - 0.5, _PROBES)
+    v = np.linspace(-0.5, camera.height - 0.5, _PROBES)
+    rays = camera.ray(np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2))
+    return rays[np.isfinite(rays[:, 2])]
 
 
 def px_per_rad(camera: Intrinsics, rays: Array) -> Array:

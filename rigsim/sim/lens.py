@@ -65,7 +65,9 @@ def covers(camera: Intrinsics) -> bool:
     """Whether one wider pinhole picture holds what the camera shows; of a wide lens, at a fair price."""
     first, last = _extent(camera, _MARGIN_PX)
     size = last - first + 1  # NaN compares as false
-    return bool((size <= (_FAIR if camera.is_wide else _MAX_WIDENING) * np.array([camera.width, camera.height])).all())
+    return bool(
+        (size <= (_FAIR if camera.is_wide else _MAX_WIDENING) * np.array([camera.width, camera.height])).all()
+    )
 
 
 def _extent(camera: Intrinsics, margin_px: float) -> tuple[Array, Array]:

@@ -234,7 +234,9 @@ class Simulator:
         pinholes = [pinhole for camera in drawn for pinhole in faces.pinholes_of(camera, supersample)]
         for lens, k in pinholes:
             check_size(lens, k)
-        sizes = [buffer_size(lens, k) for lens, k in (*pinholes, (rig.left, supersample), (rig.right, supersample))]
+        sizes = [
+            buffer_size(lens, k) for lens, k in (*pinholes, (rig.left, supersample), (rig.right, supersample))
+        ]
         renderer = self._ready(sizes)
         self._looked()
         return renderer

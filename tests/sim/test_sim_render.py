@@ -11,7 +11,7 @@ import pytest
 
 from benchmarks.subjects.frusta import drawn_frustum
 from rigsim import Intrinsics, Simulator, StereoRig
-from rigsim.errors import InvalidRig, RenderMismatch, RenderUnavailable
+from rigsim.errors import RenderMismatch, RenderUnavailable
 from rigsim.sim import render
 from rigsim.sim.axes import CV_FROM_GL, REP103_FROM_RIG
 from tests.helpers.scenes import SLANTED, WALL_NORMAL_WORLD, WALL_POINT_WORLD, write

@@ -152,7 +152,7 @@ class Scene:
 
     @contextmanager
     def turned(self, side: int, camera_from_face: Array | None) -> Iterator[None]:
-        """For a while, the left (0) or right (1) camera looks along the z axis of a face (3, 3) of its frame."""
+        """For a while, the left (0) or right (1) camera has the axes (3, 3) of a face of its cube."""
         held = self.data.cam_xmat[self.camera_ids[side]]
         before = held.copy()
         if camera_from_face is not None:

@@ -33,7 +33,7 @@ def cast(scene: Scene, origin_world: Array, directions_world: Array) -> tuple[Ar
         miss; outward normal (N, 3), world.
     """
     n = len(directions_world)
-    blind = np.isnan(directions_world).any(axis=1)
+    blind: Mask = np.asarray(np.isnan(directions_world).any(axis=1))
     if blind.any():  # what MuJoCo makes of NaN is its own affair
         directions_world = np.where(blind[:, None], 1.0, directions_world)
     distance, normal = np.empty(n), np.empty((n, 3))
@@ -72,7 +72,7 @@ def depth_at(scene: Scene, side: int, uv: Array, lens: Intrinsics | None = None)
 
 
 def hits_at(scene: Scene, side: int, uv: Array, lens: Intrinsics | None = None) -> tuple[Array, Ids]:
-    """Points (N, 3) m in the camera's frame, NaN for nothing, and geom id (N,) of what `depth_at` looks at."""
+    """Points (N, 3) m in the camera's frame, NaN for nothing, and geom ids (N,); as `depth_at`."""
     world_from_camera = scene.world_from_camera(side)
     rays_camera = directions(lens or scene.lens(side), uv)
     distance, geom, _ = cast(scene, world_from_camera.t, rays_camera @ world_from_camera.R.T)
