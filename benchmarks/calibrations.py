@@ -1,6 +1,7 @@
 """Calibrations that strangers published: what each is read as, how far off, in what time.
 
-And one pair of cameras in two models. They are not part of the project: name their folder in the environment variable RIGSIM_CALIBRATIONS.
+And one pair of cameras in two models. They are not part of the project: name their folder in the
+environment variable RIGSIM_CALIBRATIONS.
 """
 
 from __future__ import annotations
