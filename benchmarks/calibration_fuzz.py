@@ -35,9 +35,8 @@ def run() -> None:
     forms, chance = calibrations(), random.Random(SEED)
     folder = os.environ.get("RIGSIM_CALIBRATIONS")
     if folder:
-        forms |= {
-            f"folder {path.name}": _files(path) for path in sorted(Path(folder).iterdir()) if path.is_dir()
-        }
+        own = (path for path in sorted(Path(folder).iterdir()) if path.is_dir())
+        forms |= {f"folder {path.name}": _files(path) for path in own}
     whole = {name: content for files in forms.values() for name, content in files.items()}
     counts: Counter[tuple[str, str]] = Counter()
     faults: list[str] = []
@@ -61,9 +60,8 @@ def run() -> None:
     print(f"{'form':28} {'read':>6} {'refused':>8}")
     for form in sorted(forms):
         print(f"{form:28} {counts[form, 'read']:6} {counts[form, 'refused']:8}")
-    print(
-        f"{CASES} cases of seed {SEED}: {len(faults)} faults; the slowest took {slowest[0]:.2f} s ({slowest[1]})"
-    )
+    took = f"the slowest took {slowest[0]:.2f} s ({slowest[1]})"
+    print(f"{CASES} cases of seed {SEED}: {len(faults)} faults; {took}")
     for text in faults[:20]:
         print(text)
 

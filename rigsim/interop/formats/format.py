@@ -116,7 +116,7 @@ class Format:
     drawn_up: bool = False
     """Whether a rig is taken as somebody drew it up: its right camera may lie on the left side."""
     late: bool = False
-    """Whether it would take others' files, which call the same things the same: it gets those that are left."""
+    """Whether it would take others' files, which use the same names: it gets those that are left."""
     otherwise: tuple[str, ...] = ()
     """Endings of which it takes the files that no format knows."""
     groups: Callable[[Sequence[File]], list[tuple[File, ...]]] | None = None
