@@ -166,6 +166,17 @@ class Intrinsics:
         """Unit rays (..., 3) in the camera's frame of pixels (..., 2); NaN where the lens shows nothing."""
         return by_rows(self._ray, np.asarray(uv, dtype=np.float64), 3)
 
+    @property
+    def is_wide(self) -> bool:
+        """Whether its lens model knows rays 90 degrees and more off the axis."""
+        return not (self.lens is None or isinstance(self.lens, PlanarLens))
+
+    def faces(self, points_camera: Array) -> Mask:
+        """Whether points (..., 3) lie where the camera looks: z > 0, or what a wide lens shows."""
+        if self.lens is None or isinstance(self.lens, PlanarLens):
+            return np.asarray(points_camera[..., 2] > 0)
+        return self.lens.sees(points_camera)
+
     def denormalize(self, normalized: npt.ArrayLike) -> Array:
         """Map undistorted normalised coordinates (..., 2) to pixels (..., 2)."""
         xy = np.asarray(normalized, dtype=np.float64)

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.lens.lens import ahead
 from rigsim.rig.stereo import StereoRig
 
 
@@ -80,8 +81,8 @@ def pair_gap(
         across = np.cross(centre, q)
         gradient = np.hstack(
             [
-                np.einsum("nij,ni->nj", slope_r, across[:, :2]),
-                np.einsum("nij,ni->nj", slope_q, np.cross(r, centre) @ pose.R.T[:, :2]),
+                np.einsum("nij,ni->nj", slope_r, across),
+                np.einsum("nij,ni->nj", slope_q, np.cross(r, centre) @ pose.R.T),
             ]
         )
         steep = np.linalg.norm(gradient, axis=1)
@@ -94,8 +95,20 @@ def pair_gap(
 
 
 def _ray(camera: Intrinsics, uv: Array) -> tuple[Array, Array]:
-    """Rays (N, 3) of pixels, with z = 1, and how their x and y follow the pixel, (N, 2, 2)."""
-    ray = np.column_stack([camera.normalize(uv), np.ones(len(uv))])
-    a, b, c, d = camera.jacobian(ray)[:, :, :2].reshape(-1, 4).T
+    """Rays (N, 3) of pixels, and how they follow the pixel, (N, 3, 2); with z = 1, but unit ones of a lens
+    that looks past 90 degrees."""
+    if camera.is_wide:
+        ray = camera.ray(uv)
+        J = camera.jacobian(ray)
+        return ray, J.transpose(0, 2, 1) @ _inverse(J @ J.transpose(0, 2, 1))
+    ray = ahead(camera.normalize(uv))
+    slope = np.zeros((len(ray), 3, 2))
+    slope[:, :2] = _inverse(camera.jacobian(ray)[:, :, :2])
+    return ray, slope
+
+
+def _inverse(M: Array) -> Array:
+    """Inverse of (N, 2, 2)."""
+    a, b, c, d = M.reshape(-1, 4).T
     inverse = np.stack([d, -b, -c, a], axis=1) / (a * d - b * c)[:, None]
-    return ray, inverse.reshape(-1, 2, 2)
+    return inverse.reshape(-1, 2, 2)

@@ -15,6 +15,7 @@ import numpy as np
 
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.lens.lens import ahead
 from rigsim.rig.stereo import StereoRig
 
 _CELLS = (64, 48)
@@ -77,7 +78,9 @@ def _shared_by_pinholes(rig: StereoRig, inverse_depths: Array) -> Iterator[Share
 
 
 def outline(camera: Intrinsics) -> Array:
-    """Rays (K, 3), z = 1, around the border of what the camera shows: the image's corners for a pinhole.
+    """Rays (K, 3) around the border of what the camera shows: the image's corners for a pinhole.
+
+    With z = 1, but unit rays of a lens that looks past 90 degrees.
 
     Where the lens shows nothing at the image's border, the outline is drawn in towards the principal point
     until it does.
@@ -88,17 +91,22 @@ def outline(camera: Intrinsics) -> Array:
         along = np.linspace(0, 1, _PER_SIDE, endpoint=False)[:, None]
         ends = np.roll(corners, -1, axis=0)
         corners = np.concatenate([a + along * (b - a) for a, b in zip(corners, ends, strict=True)])
-    xy = camera.normalize(corners)
-    lost = np.any(np.isnan(xy), axis=1)
+    rays = _rays(camera, corners)
+    lost = np.any(np.isnan(rays), axis=1)
     if lost.any():
         center = np.array([camera.cx, camera.cy])
         low, high = np.zeros((int(lost.sum()), 1)), np.ones((int(lost.sum()), 1))
         for _ in range(_PULLS):
             middle = (low + high) / 2
-            shown = np.all(np.isfinite(camera.normalize(center + middle * (corners[lost] - center))), axis=1)
+            shown = np.all(np.isfinite(_rays(camera, center + middle * (corners[lost] - center))), axis=1)
             low, high = np.where(shown[:, None], middle, low), np.where(shown[:, None], high, middle)
-        xy[lost] = camera.normalize(center + low * (corners[lost] - center))
-    return np.column_stack([xy, np.ones(len(xy))])
+        rays[lost] = _rays(camera, center + low * (corners[lost] - center))
+    return rays
+
+
+def _rays(camera: Intrinsics, uv: Array) -> Array:
+    """Rays (..., 3) of pixels (..., 2): with z = 1, but unit ones of a lens that looks past 90 degrees."""
+    return camera.ray(uv) if camera.is_wide else ahead(camera.normalize(uv))
 
 
 def crossings(origin: Array, rays: Array, fan: Array) -> Array:
@@ -132,12 +140,13 @@ def nearest_common_depth(rig: StereoRig) -> float:
     fan_left, fan_right = outline(rig.left), outline(rig.right)
     found = crossings(rig.right_from_left.t, fan_left @ rig.right_from_left.R.T, fan_right)
     rays = fan_right @ left_from_right.R.T
+    found = found * fan_left[:, 2:]
     back = left_from_right.t[2] + crossings(left_from_right.t, rays, fan_left) * rays[:, 2:]
     depths = np.concatenate([found.ravel(), back.ravel()])
     if rig.left.contains(rig.left.project(left_from_right.t)):
         depths = np.append(depths, left_from_right.t[2])
     depths = depths[np.isfinite(depths)]
-    return float(depths.min()) if depths.size else math.inf
+    return max(float(depths.min()), 0.0) if depths.size else math.inf
 
 
 def _pieces(rig: StereoRig, inverse_depth: float) -> Iterator[tuple[Array, Array]]:
@@ -161,16 +170,16 @@ def _pieces(rig: StereoRig, inverse_depth: float) -> Iterator[tuple[Array, Array
 def _seen_right(rig: StereoRig, uv_left: Array, inverse_depth: Array | float) -> Array:
     """Where the right lens sees the plane's points at left pixels (..., 2): homogeneous (..., 3), the last
     number the depth; NaN where a lens shows nothing."""
-    rays = rig.left.normalize(uv_left)
-    rays = np.concatenate([rays, np.ones((*rays.shape[:-1], 1))], axis=-1)
-    points = rays @ rig.right_from_left.R.T + rig.right_from_left.t * inverse_depth
+    rays = _rays(rig.left, uv_left)
+    points = rays @ rig.right_from_left.R.T + rig.right_from_left.t * (inverse_depth * rays[..., 2:])
     if rig.right.lens is None:
         return np.asarray(points @ rig.right.K.T)
     with np.errstate(invalid="ignore"):
         uv = rig.right.project(points)
-        return np.concatenate(
-            [uv * points[..., 2:], np.where(np.isnan(uv[..., :1]), np.nan, points[..., 2:])], -1
-        )
+        weight = np.linalg.norm(points, axis=-1)[..., None] if rig.right.is_wide else points[..., 2:]
+        # a plane at a depth has no points beside or behind the camera
+        known = ~np.isnan(uv[..., :1]) & ((rays[..., 2:] > 0) | (np.asarray(inverse_depth) == 0))
+        return np.where(known, np.concatenate([uv * weight, weight], axis=-1), np.nan)
 
 
 def _right_edges(camera: Intrinsics, seen: Array) -> Array:

@@ -20,6 +20,8 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.theory.frusta import Shared, nearest_common_depth, outline, shared_view
 from rigsim.theory.uncertainty import predict_depth_std
 
+_ALONG = 4097
+
 
 def depth_range_for_disparities(
     rig: StereoRig, max_disparity_px: float, min_disparity_px: float = 0.0, *, shift_px: float = 0.0
@@ -79,19 +81,38 @@ def shifts_for_range(
 
 
 def field_of_view_deg(camera: Intrinsics) -> tuple[float, float]:
-    """Horizontal and vertical angle, deg, that the camera sees, where it is widest; distortion included."""
-    x, y = np.arctan(outline(camera)[:, :2]).T
+    """Horizontal and vertical angle, deg, that the camera sees, where it is widest; distortion included.
+
+    Of a lens that shows more than a half space, in the row and the column of its principal point.
+    """
+    rays = outline(camera)
+    if not (rays[:, 2] > 0).all():
+        return camera.hfov_deg, camera.vfov_deg
+    x, y = np.arctan(rays[:, :2] / rays[:, 2:]).T
     return math.degrees(x.max() - x.min()), math.degrees(y.max() - y.min())
 
 
 def overlap_fov_deg(rig: StereoRig) -> tuple[float, float]:
     """Horizontal and vertical angle, deg, in the left camera's frame, of what both cameras see far away;
     0 and 0 when they share nothing there."""
+    if rig.left.is_wide:
+        return _shared_far_deg(rig, 0), _shared_far_deg(rig, 1)
     shared = shared_view(rig, 0.0)
     if not shared.share:
         return 0.0, 0.0
     x, y = np.arctan(_rays(rig, shared)).T
     return math.degrees(x.max() - x.min()), math.degrees(y.max() - y.min())
+
+
+def _shared_far_deg(rig: StereoRig, axis: int) -> float:
+    """Angle, deg, that both cameras see far away along the left principal point's row (0) or column (1)."""
+    camera = rig.left
+    uv = np.tile([camera.cx, camera.cy], (_ALONG, 1))
+    uv[:, axis] = np.linspace(-0.5, (camera.width, camera.height)[axis] - 0.5, _ALONG)
+    rays = camera.ray(uv)
+    shown = rig.right.contains(rig.right.project(rays @ rig.right_from_left.R.T))
+    angles = np.degrees(np.arctan2(rays[:, axis], rays[:, 2]))[shown]
+    return float(np.ptp(angles)) if angles.size else 0.0
 
 
 class Overlap(NamedTuple):

@@ -22,3 +22,21 @@ def inverse_symmetric(M: Array) -> Array:
         det = a * inverse[:, 0, 0] + b * inverse[:, 0, 1] + c * inverse[:, 0, 2]
         inverse /= det[:, None, None]
     return inverse
+
+
+def across(directions: Array) -> Array:
+    """Two unit vectors (N, 2, 3) at right angles to each other and to unit `directions` (N, 3).
+
+    Continuous but for the sign of z (Duff et al., "Building an orthonormal basis, revisited", 2017).
+    """
+    x, y, z = directions[:, 0], directions[:, 1], directions[:, 2]
+    sign = np.copysign(1.0, z)
+    a = -1 / (sign + z)
+    b = x * y * a
+    return np.stack(
+        [
+            np.stack([1 + sign * x * x * a, sign * b, -sign * x], axis=1),
+            np.stack([b, sign + y * y * a, -y], axis=1),
+        ],
+        axis=1,
+    )

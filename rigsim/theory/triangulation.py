@@ -73,12 +73,15 @@ def optimal(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
     """Maximum likelihood for equal noise in every pixel coordinate, whatever the rig.
 
     The closed form when the rig is rectified, else Lindstrom (CVPR 2010); with lens distortion
-    followed by Gauss-Newton on the pixels as they were seen.
+    followed by Gauss-Newton on the pixels as they were seen, which for lenses that look past 90 degrees
+    starts from the middle between the rays.
     """
     if rig.is_rectified:
         return triangulate_rectified(rig, uv_left, uv_right)
     if rig.left.lens is None and rig.right.lens is None:
         return triangulate_lindstrom(rig, uv_left, uv_right)
+    if rig.left.is_wide or rig.right.is_wide:
+        return refine(rig, triangulate_midpoint(rig, uv_left, uv_right), uv_left, uv_right)
     pinhole = replace(rig, left=replace(rig.left, lens=None), right=replace(rig.right, lens=None))
     start = triangulate_lindstrom(pinhole, _undistorted(rig.left, uv_left), _undistorted(rig.right, uv_right))
     return refine(rig, start, uv_left, uv_right)

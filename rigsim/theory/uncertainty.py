@@ -217,8 +217,8 @@ def _depth_variance(rig: StereoRig, points: Array, noise: PixelNoise) -> Array:
 
 def _hessian(rig: StereoRig, points: Array) -> Array:
     """Second derivatives (N, 4, 3, 3) px/m^2 of the four pixel coordinates."""
-    # a step in proportion to the depth keeps truncation and rounding near 1e-10 at any range
-    step = _RELATIVE_STEP * points[:, 2]
+    # a step in proportion to the distance keeps truncation and rounding near 1e-10 at any range
+    step = _RELATIVE_STEP * np.linalg.norm(points, axis=1)
     along = np.eye(3)[:, None, :] * step[:, None]
     ahead, behind = rig.jacobian(np.stack([points + along, points - along]))
     return np.asarray(np.moveaxis((ahead - behind) / (2 * step)[:, None, None], 0, -1))

@@ -41,12 +41,9 @@ class AngularLens(Lens):
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             r = np.sqrt(x * x + y * y)
             angle = np.arctan2(r, z)
-            scale = self.radius(angle)[0]
-            scale /= r
-            scale[~(angle < self.end_rad)] = np.nan
-            on_axis = ~(r > 0)
-            if on_axis.any():
-                scale[on_axis] = np.where(z[on_axis] > 0, 0.0, np.nan)
+            scale = np.where(angle < self.end_rad, self.radius(angle)[0] / r, np.nan)
+            if not (r > 0).all():
+                scale = np.where((r == 0) & (z > 0), 0.0, scale)
             image = np.empty((*points.shape[:-1], 2))
             np.multiply(x, scale, out=image[..., 0])
             np.multiply(y, scale, out=image[..., 1])

@@ -27,8 +27,7 @@ class QuotientLens(Lens):
         """As `Lens.project`."""
         x, y, z = points[..., 0], points[..., 1], points[..., 2]
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            scale = 1 / self.divisor(x * x + y * y, z)
-            scale[~self.sees(points)] = np.nan
+            scale = np.where(self.sees(points), 1 / self.divisor(x * x + y * y, z), np.nan)
             return points[..., :2] * scale[..., None]
 
     def jacobian(self, points: Array) -> Array:
@@ -36,8 +35,7 @@ class QuotientLens(Lens):
         x, y, z = points[..., 0], points[..., 1], points[..., 2]
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             r2 = x * x + y * y
-            scale = 1 / self.divisor(r2, z)
-            scale[~self.sees(points)] = np.nan
+            scale = np.where(self.sees(points), 1 / self.divisor(r2, z), np.nan)
             c, g = self.divisor_slope(r2, z)
             c, g = c * scale * scale, g * scale * scale
             J = np.empty((*points.shape[:-1], 2, 3))

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.lens.lens import ahead
 from rigsim.rig.stereo import StereoRig
 from rigsim.theory.blocks import blocks
+from rigsim.theory.matrices import across
 
 _BLOCK = 8192
 _FARTHEST = 1 / (16 * np.finfo(np.float64).eps)  # baselines
@@ -17,23 +21,20 @@ def triangulate_dlt(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
     """Points (N, 3) m in the left camera's frame by the homogeneous linear method, in pixels.
 
     Hartley & Zisserman, "Multiple View Geometry", 12.2: the right singular vector of the four equations
-    ``u (P3 X) = P1 X``, ``v (P3 X) = P2 X``. The same as cv2.triangulatePoints.
+    ``u (P3 X) = P1 X``, ``v (P3 X) = P2 X``. The same as cv2.triangulatePoints. Of a lens that looks past 90
+    degrees, the two equations say that the point lies on the ray, in pixels at the image's middle.
     """
     P_left = _projection(rig.left, np.eye(3), np.zeros(3))
     P_right = _projection(rig.right, rig.right_from_left.R, rig.right_from_left.t)
     with np.errstate(all="ignore"):
-        xy_left = rig.left.normalize(uv_left) * (rig.left.fx, rig.left.fy)
-        xy_right = rig.right.normalize(uv_right) * (rig.right.fx, rig.right.fy)
+        rows_left, rows_right = _rows(rig.left, uv_left), _rows(rig.right, uv_right)
     points = np.full((len(uv_left), 3), np.nan)
     # the decomposition refuses NaN, and would take the whole batch with it
-    finite = np.flatnonzero(np.isfinite(xy_left).all(axis=1) & np.isfinite(xy_right).all(axis=1))
+    finite = np.flatnonzero(np.isfinite(rows_left).all((1, 2)) & np.isfinite(rows_right).all((1, 2)))
     with np.errstate(all="ignore"):
         for block in blocks(len(finite), _BLOCK):
             which = finite[block]
-            equations = np.concatenate(
-                [xy[which, :, None] * P[2] - P[:2] for xy, P in ((xy_left, P_left), (xy_right, P_right))],
-                axis=1,
-            )
+            equations = np.concatenate([rows_left[which] @ P_left, rows_right[which] @ P_right], axis=1)
             X = np.linalg.svd(equations)[2][:, 3]
             points[which] = X[:, :3] / X[:, 3:]
         return in_front(rig, points)
@@ -57,9 +58,8 @@ def triangulate_midpoint(rig: StereoRig, uv_left: Array, uv_right: Array) -> Arr
 def in_front(rig: StereoRig, points_left: Array) -> Array:
     """`points_left` (N, 3) with NaN in place of those that are not in front of both cameras, or so far that
     rounding makes all their parallax."""
-    depth_right = points_left @ rig.right_from_left.R[2] + rig.right_from_left.t[2]
     near = np.abs(points_left).max(axis=1, initial=0.0) < _FARTHEST * rig.baseline_m
-    good = (points_left[:, 2] > 0) & (depth_right > 0) & near
+    good = rig.left.faces(points_left) & rig.right.faces(rig.right_from_left.apply(points_left)) & near
     return np.where(good[:, None], points_left, np.nan)
 
 
@@ -68,7 +68,18 @@ def _projection(camera: Intrinsics, R: Array, t: Array) -> Array:
     return np.array([[camera.fx], [camera.fy], [1.0]]) * np.column_stack([R, t])
 
 
+def _rows(camera: Intrinsics, uv: Array) -> Array:
+    """What (N, 2, 3) makes two equations of a projection to pixels counted from the principal point."""
+    rows = np.zeros((len(uv), 2, 3))
+    if camera.is_wide:
+        rows[:] = across(camera.ray(uv)) / (camera.fx, camera.fy, 1.0)
+        rows *= math.sqrt(camera.fx * camera.fy)
+        return rows
+    rows[:, 0, 0] = rows[:, 1, 1] = -1.0
+    rows[:, :, 2] = camera.normalize(uv) * (camera.fx, camera.fy)
+    return rows
+
+
 def _rays(camera: Intrinsics, uv: Array) -> Array:
-    """Directions (N, 3) with z = 1 in the camera's frame."""
-    xy = camera.normalize(uv)
-    return np.column_stack([xy, np.ones(len(xy))])
+    """Directions (N, 3) in the camera's frame, with z = 1 where its lens shows only what lies ahead."""
+    return camera.ray(uv) if camera.is_wide else ahead(camera.normalize(uv))

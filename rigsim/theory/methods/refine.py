@@ -7,7 +7,7 @@ import numpy as np
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
 from rigsim.theory.blocks import blocks
-from rigsim.theory.matrices import inverse_symmetric
+from rigsim.theory.matrices import across, inverse_symmetric
 
 _BLOCK = 4096
 _STEPS = 20
@@ -34,17 +34,16 @@ def _refine_block(rig: StereoRig, points: Array, observed: Array) -> None:
             return
         X = points[active]
         residual = observed[active] - np.concatenate(rig.project(X), axis=1)
-        # unknowns (x/z, y/z, 1/z): the residuals are almost linear in them, even far away
-        z = X[:, 2:]
-        J = rig.jacobian(X)
-        J[:, :, 2] = -(J @ X[:, :, None])[:, :, 0]
-        J *= z[:, None, :]
+        # unknowns: across the ray, and 1 / distance; the residuals are almost linear in them, even far away
+        distance = np.linalg.norm(X, axis=1)[:, None]
+        frame = np.concatenate([across(X / distance), -X[:, None]], axis=1).transpose(0, 2, 1)
+        J = (rig.jacobian(X) @ frame) * distance[:, None]
         transposed = J.transpose(0, 2, 1)
-        step = inverse_symmetric(transposed @ J) @ (transposed @ residual[:, :, None])
-        dx, dy, dq = step[:, :, 0].T
-        z_new = z[:, 0] / (1 + z[:, 0] * dq)
-        moved = np.column_stack([(X[:, 0] / z[:, 0] + dx) * z_new, (X[:, 1] / z[:, 0] + dy) * z_new, z_new])
-        moved[~(z_new > 0)] = np.nan
+        step = (inverse_symmetric(transposed @ J) @ (transposed @ residual[:, :, None]))[:, :, 0]
+        aside = (frame[:, :, :2] @ step[:, :2, None])[:, :, 0]
+        growth = 1 / (1 + distance * step[:, 2:])
+        moved = (X + distance * aside) * growth
+        moved[~((growth[:, 0] > 0) & rig.left.faces(moved))] = np.nan
         points[active] = moved
         # NaN compares false and so leaves the active set
         active = active[np.abs(moved - X).max(axis=1) > _STILL * np.abs(moved).max(axis=1)]
