@@ -14,6 +14,7 @@ from rigsim.interop.formats.opencv.calibration import parse_opencv_yaml
 from rigsim.interop.formats.opencv_yaml import opencv_yaml, write_opencv_yaml
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.distortion import BrownConrady
+from rigsim.rig.lens.rational import Rational
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 from tests.helpers.rig_strategies import rigs, same_rig
@@ -144,11 +145,16 @@ def test_bad_input_is_one_line(old: str, new: str, message: str) -> None:
     assert "\n" not in str(caught.value)
 
 
-def test_a_rational_lens_is_refused() -> None:
+def test_a_rational_lens_projects_as_cv2_s() -> None:
     text = GOOD.replace(
         "cols: 5\n   dt: d\n   data: [ 0.0, 0.0, 0.0, 0.0, 0.0 ]",
-        "cols: 8\n   dt: d\n   data: [ 0.1, 0.0, 0.0, 0.0, 0.0, 0.2, 0.0, 0.0 ]",
+        "cols: 8\n   dt: d\n   data: [ 0.1, 0.02, 1.0e-03, -2.0e-03, 0.01, 0.2, 0.03, 0.004 ]",
         1,
     )
-    with pytest.raises(InvalidRig, match=r"D1: a term beyond k3 is 0\.2, must be 0"):
-        parse_opencv_yaml(text)
+    rig = parse_opencv_yaml(text)
+    assert rig.left.lens == Rational(0.1, 0.02, 1e-3, -2e-3, 0.01, 0.2, 0.03, 0.004)
+    assert rig.right.lens is None
+    points = np.array([[0.4, -0.3, 1.0], [-0.2, 0.35, 1.0]])
+    D = np.array([0.1, 0.02, 1e-3, -2e-3, 0.01, 0.2, 0.03, 0.004])
+    found, _ = cv2.projectPoints(points, np.zeros(3), np.zeros(3), rig.left.K, D)
+    np.testing.assert_allclose(rig.left.project(points), found[:, 0], atol=1e-9)

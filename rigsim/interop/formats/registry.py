@@ -35,8 +35,8 @@ def _by_name(format: Format) -> Format:
                 return []
             others = (named[name] for name in format.names[1:] if name in named)
             return [(first, *others)]
-        own = (file for file in files if format.name != "mjcf" or "<mujoco" in file.text)
-        return [(file,) for file in own if format.knows(file.text)]
+        must = {"mjcf": "<mujoco", "nerfstudio": '"transform_matrix"'}.get(format.name, "")
+        return [(file,) for file in files if must in file.text and format.knows(file.text)]
 
     def opened(files: tuple[File, ...], asked: Asked) -> Found:
         if format.read is not None:
