@@ -184,5 +184,6 @@ FORMAT = Format(
     groups=groups,
     open=_open,
     lacks=lacks,
+    late=True,
     write=lambda rig: {FILE_NAME: opencv_yaml(rig)},
 )
