@@ -133,22 +133,22 @@ def test_the_command_writes_what_rig_takes(
         (
             StereoRig.rectified(Intrinsics(640, 480, 800, 800, 320, 240, BrownConrady(k3=0.1)), 0.1),
             "kalibr",
-            "opencv, ros, colmap, nerfstudio, mrcal",
+            "opencv, ros, basalt, colmap, nerfstudio, mrcal",
         ),
         (
             StereoRig.rectified(Intrinsics(640, 480, 800, 800, 320, 240, BrownConrady(k1=0.1)), 0.1),
             "mjcf",
-            "opencv, ros, kalibr, colmap, nerfstudio, mrcal",
+            "opencv, ros, kalibr, basalt, colmap, nerfstudio, mrcal",
         ),
         (
             StereoRig.verged(LENS, 0.1, 5.0),
             "middlebury",
-            "opencv, ros, kalibr, colmap, mjcf, nerfstudio, mrcal",
+            "opencv, ros, kalibr, basalt, colmap, mjcf, nerfstudio, mrcal",
         ),
         (
             StereoRig(LENS, LENS, Pose(t=np.array([0.0, 0.0, -0.4]))),
             "ros",
-            "opencv, kalibr, colmap, mjcf, nerfstudio, mrcal",
+            "opencv, kalibr, basalt, colmap, mjcf, nerfstudio, mrcal",
         ),
     ],
 )
@@ -219,7 +219,7 @@ def test_folders_that_say_nothing_or_too_much(tmp_path: Path) -> None:
         ("cameras.txt", "1 PINHOLE", "COLMAP's cameras.txt, and no rigs.txt or images.txt lies beside it"),
         ("rig.xml", "<mujoco", "rig.xml: is not XML"),
         ("transforms.json", "{}", "transforms.json: looks like JSON with nothing; "),
-        ("left.yaml", "camera_matrix: 1", "right.yaml: cannot be read .No such file"),
+        ("left.yaml", "camera_matrix: 1", "left.yaml: camera_info of one camera: name the other's beside it"),
         ("rig.toml", "a = 1", "rig.toml: "),
     ],
 )

@@ -14,7 +14,7 @@ from rigsim.interop.formats.kitti import kitti
 from rigsim.interop.formats.kitti.kitti import parse_kitti
 from tests.helpers.bodies import found
 
-FX, CX, CY = 700.5, 610.25, 180.75
+FX, CX, CY = 718.856, 610.25, 180.75
 PLACES = ((0.0, 0.0, 0.0), (-0.5, 0.0, 0.0), (0.06, -0.001, 0.004), (-0.47, 0.002, 0.003))
 """Where the first camera stands in each one's frame, m."""
 

@@ -34,7 +34,8 @@ def file(name: str, text: str) -> File:
     return File(Path("mav0") / name / "sensor.yaml", text)
 
 
-IMU = "sensor_type: imu\nT_BS:\n  cols: 4\n  rows: 4\n  data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n"
+UNIT = ", ".join(str(value) for value in np.eye(4).ravel())
+IMU = f"sensor_type: imu\nT_BS:\n  cols: 4\n  rows: 4\n  data: [{UNIT}]\n"
 
 
 def test_two_cameras_and_what_else_there_is() -> None:
@@ -65,12 +66,20 @@ def test_fisheyes_and_three_cameras() -> None:
     assert [remark.code for remark in found(euroc.FORMAT, files).remarks] == ["cameras"]
 
 
-def test_files_and_folders(tmp_path: Path) -> None:
+def test_files_and_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name, text in (("cam0", sensor(BODY_FROM_LEFT)), ("cam1", sensor(BODY_FROM_RIGHT)), ("imu0", IMU)):
         (tmp_path / name).mkdir()
         (tmp_path / name / "sensor.yaml").write_text(text)
     paths = [tmp_path / name / "sensor.yaml" for name in ("cam0", "cam1")]
-    for named in (paths, paths[::-1]):
+    monkeypatch.chdir(tmp_path / "cam1")
+    for named in (
+        paths,
+        paths[::-1],
+        [tmp_path],
+        [paths[0]],
+        [Path("sensor.yaml")],
+        [Path("../cam0/sensor.yaml")],
+    ):
         one = read(named)
         check_pose(one.rig)
         assert one.format == "euroc"

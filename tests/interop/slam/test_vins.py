@@ -29,9 +29,8 @@ SETTINGS = (
 
 
 def camera(model: str, projection: str, *others: str) -> str:
-    parts = "".join(f"{name}:\n" for name in ())
     return (
-        f"%YAML:1.0\n---\nmodel_type: {model}\ncamera_name: camera\nimage_width: 640\nimage_height: 480\n{parts}"
+        f"%YAML:1.0\n---\nmodel_type: {model}\ncamera_name: camera\nimage_width: 640\nimage_height: 480\n"
         + "".join(f"{other}\n" for other in others)
         + f"projection_parameters:\n{projection}\n"
     )
@@ -55,8 +54,8 @@ FISHEYE = camera(
 FULL = camera(
     "PINHOLE_FULL",
     "   fx: 400.0\n   fy: 401.0\n   cx: 320.0\n   cy: 240.0",
-    "distortion_parameters:\n   k1: 0.1\n   k2: 0.2\n   k3: 0.3\n   k4: 0.4\n   k5: 0.5\n   k6: 0.6\n   p1: 0.7\n"
-    "   p2: 0.8",
+    "distortion_parameters:\n   k1: 0.1\n   k2: 0.2\n   k3: 0.3\n   k4: 0.4\n   k5: 0.5\n   k6: 0.6\n"
+    "   p1: 0.7\n   p2: 0.8",
 )
 
 
@@ -100,7 +99,9 @@ def test_any_of_the_files_and_their_folder(tmp_path: Path) -> None:
         check_pose(one.rig)
         assert one.format == "vins"
     every[0].unlink()
-    with pytest.raises(InvalidRig, match="VINS-Fusion's settings, whose cameras are in front_left.yaml, fro"):
+    with pytest.raises(
+        InvalidRig, match=r"VINS-Fusion's settings, whose cameras are in front_left\.yaml, fr"
+    ):
         read([every[1]])
     with pytest.raises(InvalidRig, match="is one camera of CamOdoCal's: name VINS-Fusion's settings"):
         read([every[2]])

@@ -66,7 +66,7 @@ def knows(text: str) -> bool:
 
 def _called(file: File) -> str:
     """The sensor's name: its folder's, or where several files lie in one its own."""
-    return file.path.parent.name if file.path.stem == "sensor" else file.path.stem
+    return file.path.absolute().parent.name if file.path.stem == "sensor" else file.path.stem
 
 
 def groups(files: Sequence[File]) -> list[tuple[File, ...]]:

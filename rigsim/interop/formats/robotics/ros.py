@@ -196,7 +196,7 @@ def _fit(one: File, other: File) -> bool:
 
 def _called(file: File) -> str:
     """A file's name with its folder's: some keep left/camera.yaml and right/camera.yaml."""
-    return f"{file.path.parent.name}/{file.name}"
+    return f"{file.path.absolute().parent.name}/{file.name}"
 
 
 def lacks(file: File) -> str | None:
