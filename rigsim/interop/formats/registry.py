@@ -20,7 +20,7 @@ from rigsim.interop.formats import (
 from rigsim.interop.formats.format import Asked, File, Format, Found
 from rigsim.interop.formats.makers import matlab, oak, realsense, zed
 from rigsim.interop.formats.opencv import calibration as opencv
-from rigsim.interop.formats.photogrammetry import mrcal
+from rigsim.interop.formats.photogrammetry import metashape, mrcal
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
@@ -69,6 +69,7 @@ ALL: tuple[Format, ...] = tuple(
         zed.FORMAT,
         matlab.FORMAT,
         mrcal.FORMAT,
+        metashape.FORMAT,
     )
 )
 """All that are read."""
