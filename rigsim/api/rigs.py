@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias, overload
 
 from rigsim.errors import InvalidRange, InvalidRig, InvalidScene
 from rigsim.rig import given
-from rigsim.rig.stereo import StereoRig
+from rigsim.rig.stereo import PixelGrid, StereoRig
 
 if TYPE_CHECKING:
+    from rigsim.interop.formats.kit.reading import Reading, RigReading
     from rigsim.rig.perturbation import Perturbation
     from rigsim.rig.sensor import Sensor
 
@@ -66,25 +67,37 @@ def read_rig(
         >>> rigsim.read_rig(rigsim.write_rig(rig)) == rig
         True
     """
-    from rigsim.interop.formats.kit.reading import RigFiles, RigReading
+    from rigsim.interop.formats.kit.reading import RigReading
 
-    said = RigReading(unit, size_px, swap, cameras, mode)
+    return rig_reading(rig, more, RigReading(unit, size_px, swap, cameras, mode)).rig
+
+
+def rig_reading(rig: RigLike, more: Sequence[str | os.PathLike[str]], said: RigReading) -> Reading:
+    """What `read_rig` reads, with whose format it is and what is odd about it: ``preset`` of a name, ``rig``
+    of a rig.
+
+    Raises:
+        OutputError, InvalidRig, InvalidRange: as `read_rig`.
+    """
+    from rigsim.interop.formats.kit.reading import Reading, RigFiles, RigReading
+    from rigsim.study.rig.remarks import remarks_of_rig
+
     if isinstance(rig, RigFiles):
         said, more = rig.said, (*rig.paths[1:], *more)
-    plain = said == RigReading() and not more
+    of_file = replace(said, grid=RigReading().grid) != RigReading() or len(more) > 0
     if isinstance(rig, StereoRig):
-        if not plain:
+        if of_file:
             raise InvalidRange("a rig and words about a file: name the file, or give the rig alone")
-        return rig
-    name = preset_name(rig) if plain else None
+        return Reading(rig, "rig", remarks_of_rig(rig))
+    name = None if of_file else preset_name(rig)
     if name is not None:
         from rigsim.rig.presets import preset
 
-        return preset(name).rig
+        return Reading(said.grid.apply(preset(name).rig), "preset")
     from rigsim.interop.formats import calibration
 
     if isinstance(rig, str) and "\n" in rig:
-        return calibration.parse(rig, said).rig
+        return calibration.parse(rig, said)
     path = given.path(rig, "rig")
     if isinstance(rig, str) and not path.suffix and path.name == rig and not os.path.lexists(path):
         from rigsim.rig.presets import PRESETS
@@ -93,7 +106,7 @@ def read_rig(
             f"rig {given.shown(rig)}: no file here and no preset has that name; name a file, or one of "
             f"{', '.join(PRESETS)}"
         )
-    return calibration.read([path, *(given.path(other, "rig") for other in more)], said).rig
+    return calibration.read([path, *(given.path(other, "rig") for other in more)], said)
 
 
 @overload
@@ -187,16 +200,18 @@ def told_of(rig: RigLike | None) -> Told:
     if rig is None or isinstance(rig, StereoRig) or preset_name(rig) is not None:
         return Told()
     from rigsim.interop.formats import calibration, rig_toml
+    from rigsim.interop.formats.kit.reading import RigFiles
 
     if isinstance(rig, str) and "\n" in rig:
         if not calibration.is_toml(rig):
             return Told()
         return Told(rig_toml.parse_sensor(rig), rig_toml.parse_perturbation(rig))
     paths = calibration.paths_of(rig)
+    grid = rig.said.grid if isinstance(rig, RigFiles) else PixelGrid()
     return Told(
         calibration.calibration_sensor(paths),
         calibration.calibration_perturbation(paths),
-        calibration.disparity_range(paths),
+        calibration.disparity_range(paths, grid),
     )
 
 

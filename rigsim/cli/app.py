@@ -38,6 +38,10 @@ COMMANDS = {
         "rigsim.cli.design.design:design",
         "Find the rigs that meet requirements, recommend one, and verify it by simulation.",
     ),
+    "rig": lazy.Command(
+        "rigsim.cli.rig:rig",
+        "Say what a calibration file's rig is, and what is odd about it.",
+    ),
     "measure": lazy.Command(
         "rigsim.cli.measure:measure",
         "Measure a pair of pictures: matches, depths, how accurate they are, and whether the rig fits.",

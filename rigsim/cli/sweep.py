@@ -18,9 +18,13 @@ from rigsim.cli.kit.axes import DISPARITY_NOISE, takes_axes
 from rigsim.cli.kit.cover import CoverWords
 from rigsim.cli.kit.golden import GoldenWords, held, leave_where_moved
 from rigsim.cli.kit.options import (
+    PICTURES,
     READING,
+    Binning,
+    Crop,
     PixelPitch,
     PresetName,
+    Resize,
     RigCameras,
     RigFile,
     RigMode,
@@ -66,6 +70,9 @@ class SweepWords:
     rig_swap: RigSwap = False
     rig_cameras: RigCameras = None
     rig_mode: RigMode = None
+    crop: Crop = None
+    binning: Binning = None
+    resize: Resize = None
     assume: Annotated[
         Path | None,
         typer.Option(
@@ -203,7 +210,7 @@ def _rigs(typed: Mapping[str, str], words: SweepWords) -> RigOptions:
     return RigOptions.of(
         typed,
         rig=words.rig,
-        **{name: getattr(words, name) for name in READING},
+        **{name: getattr(words, name) for name in (*READING, *PICTURES)},
         preset=words.preset,
         sensor_width=words.sensor_width,
         pixel_pitch=words.pixel_pitch,

@@ -125,7 +125,8 @@ class Intrinsics:
             return math.degrees(
                 math.atan((self.cx + 0.5) / self.fx) + math.atan((self.width - 0.5 - self.cx) / self.fx)
             )
-        return self._shown_deg(0, -0.5, self.width - 0.5)
+        first, last = self.edge_angles_deg(0)
+        return last - first
 
     @property
     def vfov_deg(self) -> float:
@@ -134,13 +135,15 @@ class Intrinsics:
             return math.degrees(
                 math.atan((self.cy + 0.5) / self.fy) + math.atan((self.height - 0.5 - self.cy) / self.fy)
             )
-        return self._shown_deg(1, -0.5, self.height - 0.5)
+        first, last = self.edge_angles_deg(1)
+        return last - first
 
-    def _shown_deg(self, axis: int, first_px: float, last_px: float) -> float:
-        """Angle, deg, between the outermost rays along u (0) or v (1) through the principal point."""
+    def edge_angles_deg(self, axis: int) -> tuple[float, float]:
+        """Angles off the axis, deg, of the outermost rays that are shown in the principal point's row (0) or
+        column (1): the first is below 0."""
         center = np.array([self.cx, self.cy])
         ends = np.array([center, center])
-        ends[:, axis] = first_px, last_px
+        ends[:, axis] = -0.5, (self.width, self.height)[axis] - 0.5
         # towards the principal point until the lens shows something: a fisheye's circle may end in the image
         shown, hidden = np.zeros(2), np.ones(2)
         for step in range(_HALVINGS):
@@ -151,8 +154,8 @@ class Intrinsics:
             if step == 0 and seen.all():
                 break
         rays = self.ray(center + shown[:, None] * (ends - center))
-        angles = np.degrees(np.arctan2(rays[:, axis], rays[:, 2]))
-        return float(angles[1] - angles[0])
+        first, last = np.degrees(np.arctan2(rays[:, axis], rays[:, 2]))
+        return float(first), float(last)
 
     def project(self, points_camera: npt.ArrayLike) -> Array:
         """Project points (..., 3) m in the camera's frame to uv (..., 2) px.
@@ -246,8 +249,68 @@ class Intrinsics:
             cy=k * self.cy + (k - 1) / 2,
         )
 
+    def cropped(self, x: int, y: int, w: int, h: int) -> Intrinsics:
+        """The camera of the pictures that are cut out: w x h px, whose first pixel was (x, y).
+
+        Raises:
+            InvalidRig: the cut is empty, or reaches out of the picture.
+        """
+        x, y, w, h = (_whole(number, "crop") for number in (x, y, w, h))
+        cut = f"crop {x},{y},{w},{h}"
+        if w < 1 or h < 1:
+            raise InvalidRig(f"{cut}: both sides must be >= 1 px; it is x,y,width,height")
+        if x < 0 or y < 0 or x + w > self.width or y + h > self.height:
+            raise InvalidRig(
+                f"{cut}: reaches out of the {self.width}x{self.height} picture; it is x,y,width,height, px"
+                " from the upper left corner"
+            )
+        return replace(self, width=w, height=h, cx=self.cx - x, cy=self.cy - y)
+
+    def binned(self, n: int) -> Intrinsics:
+        """The camera of pictures in which n x n pixels are averaged to one; undoes `supersampled`.
+
+        Raises:
+            InvalidRig: the picture's sides cannot be divided by n.
+        """
+        n = _whole(n, "binning")
+        if n < 1:
+            raise InvalidRig(f"binning {n}: must be >= 1, the pixels along a side that become one")
+        if self.width % n or self.height % n:
+            width, height = self.width // n * n, self.height // n * n
+            way = f"; cut off the rest first, as with --crop 0,0,{width},{height}" if width and height else ""
+            raise InvalidRig(f"binning {n}: {self.width}x{self.height} px cannot be divided by it{way}")
+        return self.resized(self.width // n, self.height // n)
+
+    def resized(self, w: int, h: int) -> Intrinsics:
+        """The camera of the pictures scaled to w x h px, edge to edge; unequal scales make fx and fy differ.
+
+        Raises:
+            InvalidRig: a side is less than 1 px.
+        """
+        w, h = _whole(w, "width"), _whole(h, "height")
+        if w < 1 or h < 1:
+            raise InvalidRig(f"size {w}x{h}: both sides must be >= 1 px")
+        across, down = w / self.width, h / self.height
+        return replace(
+            self,
+            width=w,
+            height=h,
+            fx=self.fx * across,
+            fy=self.fy * down,
+            cx=(self.cx + 0.5) * across - 0.5,
+            cy=(self.cy + 0.5) * down - 0.5,
+        )
+
     def contains(self, uv: Array) -> Mask:
         """Whether pixels (..., 2) lie on the image; NaN does not."""
         u, v = uv[..., 0], uv[..., 1]
         inside = (u >= -0.5) & (u <= self.width - 0.5) & (v >= -0.5) & (v <= self.height - 0.5)
         return np.asarray(inside)
+
+
+def _whole(value: object, name: str) -> int:
+    """A whole number of px."""
+    number = given.real(value, name, InvalidRig)
+    if not number.is_integer():
+        raise InvalidRig(f"{name} {number:g} px: must be a whole number")
+    return int(number)

@@ -55,6 +55,26 @@ class Preset:
         )
         return tuple(zip(widths, heights, strict=True))
 
+    def lens_at(self, width: int, height: int) -> Intrinsics | None:
+        """The lens of the published mode of that size whose focal length or field of view is published too;
+        None where there is none."""
+        for (wide, high), label in zip(self.sizes, self._labels, strict=True):
+            if (wide, high) != (width, height) or not label:
+                continue
+            told = {
+                item.quantity: item.value for item in self.figures if item.note.split(",")[0] == f"at {label}"
+            }
+            if "focal_px" in told:
+                return Intrinsics.from_focal(width, height, told["focal_px"])
+            if "hfov_deg" in told:
+                return Intrinsics.from_hfov(width, height, told["hfov_deg"])
+        return None
+
+    @property
+    def _labels(self) -> tuple[str, ...]:
+        """What the maker calls each of `sizes`; empty where nothing is published."""
+        return tuple(item.note for item in self.figures if item.quantity == "width_px")
+
     def mode(self, rig: StereoRig) -> str:
         """The image size of a rig that started from this camera, and what its maker calls that."""
         size = f"{rig.left.width}x{rig.left.height} px"
@@ -164,3 +184,10 @@ def preset(name: str) -> Preset:
         return PRESETS[plain]
     except KeyError:
         raise InvalidScene(f"unknown preset {name!r}: choose one of {', '.join(PRESETS)}") from None
+
+
+def published_lens(rig: StereoRig, width: int, height: int) -> Intrinsics | None:
+    """The lens that a camera one can buy has in its mode of another size; None where `rig` is none of them,
+    or nothing is published of such a mode."""
+    bought = (item for item in PRESETS.values() if item.figures and item.rig == rig)
+    return next((lens for item in bought if (lens := item.lens_at(width, height)) is not None), None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -116,6 +117,21 @@ class StereoRig:
         middle_left = self.right_from_left.inverse.t / 2
         return Pose(half, -half @ middle_left)
 
+    def cropped(self, x: int, y: int, w: int, h: int) -> StereoRig:
+        """The rig of pictures that are cut out of both cameras' alike; see `Intrinsics.cropped`."""
+        return self._changed(lambda camera: camera.cropped(x, y, w, h))
+
+    def binned(self, n: int) -> StereoRig:
+        """The rig of pictures in which n x n pixels are averaged to one; see `Intrinsics.binned`."""
+        return self._changed(lambda camera: camera.binned(n))
+
+    def resized(self, w: int, h: int) -> StereoRig:
+        """The rig of pictures scaled to w x h px; see `Intrinsics.resized`."""
+        return self._changed(lambda camera: camera.resized(w, h))
+
+    def _changed(self, change: Callable[[Intrinsics], Intrinsics]) -> StereoRig:
+        return StereoRig(change(self.left), change(self.right), self.right_from_left)
+
     def figure(self, points_left: npt.ArrayLike = (), *, noise_px: float = 0.25, title: str = "") -> Any:
         """Draw the rig from above: a matplotlib Figure, as `rigsim.rig_figure`, which says more."""
         import rigsim  # the front door knows who draws; this room does not
@@ -135,3 +151,27 @@ class StereoRig:
         points = np.asarray(points_left, dtype=np.float64)
         right = self.right.jacobian(self.right_from_left.apply(points)) @ self.right_from_left.R
         return np.concatenate([self.left.jacobian(points), right], axis=-2)
+
+
+@dataclass(frozen=True, slots=True)
+class PixelGrid:
+    """What is done to both pictures before anything else, in this order; None leaves them."""
+
+    crop: tuple[int, int, int, int] | None = None
+    """First pixel x, y and size w, h of what is cut out, px."""
+    binning: int | None = None
+    """Pixels along a side that are averaged to one."""
+    resize: tuple[int, int] | None = None
+    """Width and height that they are scaled to, px."""
+
+    def apply(self, rig: StereoRig) -> StereoRig:
+        """The rig of the pictures that come out; the same one where nothing is done.
+
+        Raises:
+            InvalidRig: the cut reaches out of the picture, or the binning does not divide it.
+        """
+        if self.crop is not None:
+            rig = rig.cropped(*self.crop)
+        if self.binning is not None:
+            rig = rig.binned(self.binning)
+        return rig if self.resize is None else rig.resized(*self.resize)

@@ -134,8 +134,8 @@ def focal_lengths(text: str) -> tuple[tuple[float, ...], str]:
     return values(text, FOCAL_PX), "px"
 
 
-def resolutions(text: str) -> tuple[tuple[int, int], ...]:
-    """Image sizes ``WIDTHxHEIGHT`` separated by commas, px.
+def resolutions(text: str, name: str = "resolution") -> tuple[tuple[int, int], ...]:
+    """Image sizes ``WIDTHxHEIGHT`` separated by commas, px; `name` says of what in the message.
 
     Raises:
         InvalidRange: not whole numbers >= 1, or one size twice.
@@ -144,14 +144,38 @@ def resolutions(text: str) -> tuple[tuple[int, int], ...]:
     for part in text.split(","):
         match = re.fullmatch(r"\s*([0-9]{1,9})\s*[xX×]\s*([0-9]{1,9})\s*", part)
         if match is None:
-            raise InvalidRange(f"resolution {part.strip() or 'empty'}: must be WIDTHxHEIGHT, as in 1280x720")
+            raise InvalidRange(f"{name} {part.strip() or 'empty'}: must be WIDTHxHEIGHT, as in 1280x720")
         width, height = int(match[1]), int(match[2])
         if width < 1 or height < 1:
-            raise InvalidRange(f"resolution {width}x{height} px: width and height must be >= 1")
+            raise InvalidRange(f"{name} {width}x{height} px: width and height must be >= 1")
         if (width, height) in sizes:
-            raise InvalidRange(f"resolution {text}: {width}x{height} is given twice; remove one")
+            raise InvalidRange(f"{name} {text}: {width}x{height} is given twice; remove one")
         sizes.append((width, height))
     return tuple(sizes)
+
+
+def rectangle(text: str, name: str) -> tuple[int, int, int, int]:
+    """A part ``x,y,width,height`` of an image, whole px; `name` says which in the message.
+
+    Raises:
+        InvalidRange: not four whole numbers.
+    """
+    parts = [part.strip() for part in text.split(",")]
+    if len(parts) != 4 or not all(re.fullmatch(r"-?[0-9]{1,9}", part) for part in parts):
+        raise InvalidRange(f"{name} {text.strip() or 'empty'}: must be x,y,width,height, as in 320,0,640,480")
+    x, y, width, height = (int(part) for part in parts)
+    return x, y, width, height
+
+
+def count(text: str, name: str) -> int:
+    """A whole number; `name` says of what in the message.
+
+    Raises:
+        InvalidRange: it is none.
+    """
+    if not re.fullmatch(r"\s*[0-9]{1,9}\s*", text):
+        raise InvalidRange(f"{name} {text.strip() or 'empty'}: must be a whole number, as in 2")
+    return int(text)
 
 
 def point(text: str, name: str) -> tuple[float, float]:

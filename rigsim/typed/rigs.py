@@ -15,7 +15,7 @@ from rigsim.typed.axes import numbers_of, values_of
 if TYPE_CHECKING:
     from rigsim.interop.formats.kit.reading import Reading, RigFiles
     from rigsim.rig.remark import Remark
-    from rigsim.rig.stereo import StereoRig
+    from rigsim.rig.stereo import PixelGrid, StereoRig
     from rigsim.study.scene.plan import RigGrid
 
 DEFAULT_PRESET = "boards"
@@ -35,6 +35,9 @@ class RigOptions:
     rig_cameras: str | None = None
     rig_mode: str | None = None
     preset: str | None = None
+    crop: str | None = None
+    binning: str | None = None
+    resize: str | None = None
     baseline: str | None = None
     focal: str | None = None
     hfov: str | None = None
@@ -78,17 +81,37 @@ class RigOptions:
         """
         from rigsim.interop.formats.kit.reading import RigFiles, RigReading
 
-        size = None
-        if self.rig_size is not None:
-            size, *more = quantity.resolutions(self.rig_size)
-            if more:
-                raise InvalidRange(f"rig size {self.rig_size}: must be one width and height, as 1280x720")
-        said = RigReading(self.rig_unit, size, self.rig_swap, _two_names(self.rig_cameras), self.rig_mode)
+        size = None if self.rig_size is None else _one_size(self.rig_size, "rig size")
+        said = RigReading(
+            *(self.rig_unit, size, self.rig_swap, _two_names(self.rig_cameras), self.rig_mode),
+            grid=self.pixel_grid,
+        )
         if self.rig is None:
-            if said != RigReading():
+            if replace(said, grid=RigReading().grid) != RigReading():
                 raise InvalidRange("--rig-... says something of a calibration: name its file with --rig")
             return None
         return RigFiles(self.rig if isinstance(self.rig, tuple) else (self.rig,), said)
+
+    @property
+    def pixel_grid(self) -> PixelGrid:
+        """What is done to the pictures of the rig that was named.
+
+        Raises:
+            InvalidRange: it cannot be read, is said twice, or no rig was named that it is about.
+        """
+        from rigsim.rig.stereo import PixelGrid
+
+        words = (("crop", self.crop), ("binning", self.binning), ("resize", self.resize))
+        typed = [name for name, word in words if word is not None]
+        if typed and not any((self.rig, self.preset, self.read)):
+            raise InvalidRange(f"--{typed[0]} changes the pictures of a rig: name one with --rig or --preset")
+        if self.resize is not None and self.resolution is not None:
+            raise InvalidRange("--resize and --resolution both given: both set the picture's size, give one")
+        return PixelGrid(
+            None if self.crop is None else quantity.rectangle(self.crop, "crop"),
+            None if self.binning is None else quantity.count(self.binning, "binning"),
+            None if self.resize is None else _one_size(self.resize, "resize"),
+        )
 
     def reading(self) -> Reading | None:
         """The calibration that was named, as it was read; None where none was.
@@ -116,12 +139,12 @@ class RigOptions:
         if self.rig is not None and self.preset is not None:
             raise InvalidRange("--rig and --preset both given: give one")
         if self.read is not None:
-            return self.read
+            return self.pixel_grid.apply(self.read)
         found = self.reading()
         if found is not None:
             return found.rig
         name = self.preset or (scene if scene in PRESETS else DEFAULT_PRESET)
-        return preset(name).rig
+        return self.pixel_grid.apply(preset(name).rig)
 
     def each(self) -> list[tuple[str, RigOptions]]:
         """One for each rig of ``--preset a,b`` or ``--rig a.toml,b.toml``, and what it is called.
@@ -149,15 +172,26 @@ class RigOptions:
 
     def mode_remarks(self, rig: StereoRig) -> list[Remark]:
         """What is odd about a rig that started from a file, or from a camera one can buy."""
-        found = self.reading()
+        found, shape = self.reading(), self.shape_remarks()
         if found is not None:
-            return list(found.remarks)
+            return [*found.remarks, *shape]
         if self.preset is None:
             return []
         from rigsim.rig.presets import preset
 
         odd = preset(self.preset).odd_mode(rig)
-        return [] if odd is None else [odd]
+        return [*([] if odd is None else [odd]), *shape]
+
+    def shape_remarks(self) -> list[Remark]:
+        """What becomes of the named rig's pictures that shall have another shape, unless the lens is said."""
+        unnamed = self.rig is None and self.preset is None
+        if unnamed or self.resolution is None or self.focal is not None or self.hfov is not None:
+            return []
+        from rigsim.study.scene.axes.resolution import shape_remark
+
+        base = self.base(DEFAULT_PRESET)
+        found = (shape_remark(base, *size) for size in quantity.resolutions(self.resolution))
+        return [remark for remark in found if remark is not None]
 
     def disparity_range(self) -> tuple[float, float] | None:
         """Disparities to search, px, as a Middlebury calib.txt says; None where nothing says."""
@@ -166,7 +200,7 @@ class RigOptions:
             return None
         from rigsim.interop.formats.calibration import disparity_range
 
-        return disparity_range(files.paths)
+        return disparity_range(files.paths, files.said.grid)
 
     def published_search(self) -> tuple[tuple[float, float], str] | None:
         """Disparities that the rig's own matcher searches, px, and who says so; None where nobody does."""
@@ -279,6 +313,13 @@ class RigOptions:
                     f"sensor width {width_mm:g} mm: {width_px} px of {pitch_mm * 1e3:g} um make "
                     f"{width_px * pitch_mm:.4g} mm; give --sensor-width or --pixel-pitch, not both"
                 )
+
+
+def _one_size(text: str, name: str) -> tuple[int, int]:
+    sizes = quantity.resolutions(text, name)
+    if len(sizes) != 1:
+        raise InvalidRange(f"{name} {text}: must be one width and height, as 1280x720")
+    return sizes[0]
 
 
 def _two_names(text: str | None) -> tuple[str, str] | None:

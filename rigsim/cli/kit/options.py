@@ -52,8 +52,23 @@ RigCameras = Annotated[
 RigMode = Annotated[
     str | None, typer.Option(metavar="MODE", help="Which mode of a --rig file that has several: HD.")
 ]
+Crop = Annotated[
+    str | None,
+    typer.Option(
+        metavar="X,Y,W,H", help="Cut W x H px out of both pictures of --rig or --preset, from pixel X,Y on."
+    ),
+]
+Binning = Annotated[
+    str | None, typer.Option(metavar="N", help="Average N x N px of --rig's or --preset's pictures: 2.")
+]
+Resize = Annotated[
+    str | None,
+    typer.Option(metavar="WxH", help="Scale --rig's or --preset's pictures, edge to edge: 640x480."),
+]
 READING = ("rig_unit", "rig_size", "rig_swap", "rig_cameras", "rig_mode")
 """The options that say something of the file that --rig names."""
+PICTURES = ("crop", "binning", "resize")
+"""The options that change the pictures of --rig or --preset, in the order in which they do."""
 PresetName = Annotated[
     str | None, typer.Option(metavar="NAME", help="Start from a rig by name; see rigsim presets.")
 ]
@@ -71,6 +86,7 @@ _RIG_OPTIONS: dict[str, Any] = {
     "rig": RigFile,
     **dict(zip(READING, (RigUnit, RigSize, RigSwap, RigCameras, RigMode), strict=True)),
     "preset": PresetName,
+    **dict(zip(PICTURES, (Crop, Binning, Resize), strict=True)),
 }
 
 Principal = Annotated[
@@ -156,14 +172,14 @@ def takes_rig(command: Callable[Concatenate[RigOptions, _P], _R]) -> Callable[..
 
 
 def tell_of_rig(options: RigOptions) -> None:
-    """Say what is odd about the calibration that --rig names, before anything is made of it."""
+    """Say what is odd about the calibration that --rig names, and what becomes of pictures of another shape,
+    before anything is made of it."""
     remarks: list[Remark] = []
-    if options.preset is None:
-        each = options.each()
-        for name, one in each:
-            found = one.reading()
-            odd = () if found is None else found.remarks
-            remarks += odd if len(each) == 1 else (replace(item, text=f"{name}: {item.text}") for item in odd)
+    each = options.each()
+    for name, one in each:
+        found = one.reading() if one.preset is None else None
+        odd = (*(() if found is None else found.remarks), *one.shape_remarks())
+        remarks += odd if len(each) == 1 else (replace(item, text=f"{name}: {item.text}") for item in odd)
     tell(remarks)
 
 

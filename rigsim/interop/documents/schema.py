@@ -24,6 +24,7 @@ from rigsim.interop.documents.listings import (
 from rigsim.interop.documents.measure.models import MeasureDocument
 from rigsim.interop.documents.points import CalcPointsDocument
 from rigsim.interop.documents.render import RenderDocument
+from rigsim.interop.documents.rig import RigDocument
 from rigsim.interop.documents.sweep import SweepDocument
 from rigsim.interop.documents.tolerance.models import ToleranceDocument
 from rigsim.interop.documents.verify import VerifyDocument
@@ -34,6 +35,7 @@ DOCUMENTS: dict[str, tuple[str, type[Part]]] = {
     "sweep": ("rigsim sweep --json", SweepDocument),
     "design": ("rigsim design --json", DesignDocument),
     "tolerance": ("rigsim tolerance --json", ToleranceDocument),
+    "rig": ("rigsim rig --json", RigDocument),
     "infer": ("rigsim infer --json", InferDocument),
     "verify": ("rigsim verify --json", VerifyDocument),
     "compare": ("rigsim compare --json", CompareDocument),

@@ -14,7 +14,7 @@ from rigsim.errors import OutputError, RigsimError
 from rigsim.interop.formats import middlebury, registry, rig_toml
 from rigsim.interop.formats.format import File
 from rigsim.interop.formats.kit.files import file_of, read_file, siblings
-from rigsim.interop.formats.kit.reading import Reading, RigFiles, RigReading, reading
+from rigsim.interop.formats.kit.reading import AS_IT_IS, Reading, RigFiles, RigReading, reading
 from rigsim.interop.formats.kit.recognise import (
     Candidate,
     candidates,
@@ -26,7 +26,7 @@ from rigsim.interop.formats.kit.recognise import (
 )
 from rigsim.rig import given
 from rigsim.rig.perturbation import Perturbation
-from rigsim.rig.stereo import StereoRig
+from rigsim.rig.stereo import PixelGrid, StereoRig
 
 if TYPE_CHECKING:
     from rigsim.rig.sensor import Sensor
@@ -132,14 +132,23 @@ def calibration_perturbation(paths: Sequence[Path]) -> Perturbation | None:
     return None if path is None else rig_toml.read_perturbation(path)
 
 
-def disparity_range(paths: Sequence[Path]) -> tuple[float, float] | None:
+def disparity_range(paths: Sequence[Path], grid: PixelGrid = AS_IT_IS) -> tuple[float, float] | None:
     """Least and largest disparity, px, in what `read` reads; only Middlebury's calib.txt has one.
+
+    Args:
+        paths: the calibration.
+        grid: what is done to its pictures: disparities grow and shrink with their width.
 
     Raises:
         OutputError, InvalidRig: as `rigsim.interop.formats.middlebury.read_calib`.
     """
     path = _of_format(paths, middlebury.FORMAT.name)
-    return None if path is None else middlebury.read_calib(path).disparity_range
+    found = None if path is None else middlebury.read_calib(path)
+    if found is None or found.disparity_range is None:
+        return None
+    scale = grid.apply(found.rig).left.fx / found.rig.left.fx
+    low, high = found.disparity_range
+    return low * scale, high * scale
 
 
 def _read(made: list[Candidate], said: RigReading, place: str) -> Reading:

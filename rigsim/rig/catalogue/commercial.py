@@ -219,6 +219,8 @@ CAMERAS: tuple[CommercialCamera, ...] = (
             *_size(
                 848, 480, "RealSense staff (github.com/realsenseai/librealsense/issues/9241)", "recommended"
             ),
+            *_size(1280, 720, _D455_SHEET, "HD"),
+            *_size(640, 480, _D455_SHEET, "VGA"),
             Figure(
                 "min_depth_mm",
                 340,

@@ -109,7 +109,7 @@ def _text(content: bytes) -> str:
 
 
 def _closed_up(text: str) -> str:
-    """The text without the rest of very long gaps, in which a search for a line's beginning would get lost."""
+    """The text without the rest of very long gaps, in which a search for a line's beginning gets lost."""
     if _GAP not in text.replace(" ", "").replace("\t", ""):
         return text
     lines, blank = [], 0

@@ -7,15 +7,17 @@ import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
-
 from rigsim.errors import InvalidRange, InvalidRig
 from rigsim.interop.formats.format import Asked, File, Found, swapped
 from rigsim.rig.remark import Remark
-from rigsim.rig.stereo import StereoRig
+from rigsim.rig.stereo import PixelGrid, StereoRig
+from rigsim.study.rig.remarks import remarks_of_rig
+from rigsim.study.rig.shape import sides_exchanged
 
 _UNITS_M = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
 _LENGTH = re.compile(r"\s*(\d+\.?\d*|\.\d+)?\s*(mm|cm|m|in)\s*", re.IGNORECASE)
+AS_IT_IS = PixelGrid()
+"""Pictures to which nothing is done."""
 _LEAST_M, _MOST_M = 1e-3, 5.0
 """Baselines that a rig on a table has, m: beyond them the unit must be said."""
 _SHORT_M, _LONG_M = 1e-2, 1.0
@@ -51,6 +53,8 @@ class RigReading:
     """Names of the left and the right camera, of a file with more than two."""
     mode: str | None = None
     """Which of a file's modes, as ``HD``."""
+    grid: PixelGrid = AS_IT_IS
+    """What is done to the pictures that the file is of."""
 
     @property
     def asked(self) -> Asked:
@@ -109,14 +113,10 @@ def reading(found: Found, format: str, said: RigReading, files: tuple[File, ...]
         rig = swapped(rig)
     if sides_exchanged(rig):
         remarks.append(_of_sides(rig, said.swap))
-    return Reading(rig, format, tuple(remarks), unit, files)
-
-
-def sides_exchanged(rig: StereoRig) -> bool:
-    """Whether both cameras of a horizontal pair see the other one on the wrong side."""
-    right_in_left, left_in_right = rig.right_from_left.inverse.t, rig.right_from_left.t
-    sideways = all(abs(place[0]) == np.abs(place).max() for place in (right_in_left, left_in_right))
-    return bool(sideways and right_in_left[0] < 0 < left_in_right[0])
+    changed = said.grid.apply(rig)
+    said_already = {remark.code for remark in remarks}
+    remarks += [remark for remark in remarks_of_rig(rig, changed) if remark.code not in said_already]
+    return Reading(changed, format, tuple(remarks), unit, files)
 
 
 def _scaled(rig: StereoRig, factor: float) -> StereoRig:

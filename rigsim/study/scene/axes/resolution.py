@@ -1,4 +1,7 @@
-"""The size of the pictures: the lens stays, and its focal length in px grows with the width."""
+"""The size of the pictures: the lens stays, and its focal length in px grows with the width.
+
+A camera one can buy has its own lens in a mode of that size, where one is published.
+"""
 
 from __future__ import annotations
 
@@ -6,16 +9,38 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rigsim.errors import InvalidRange
+from rigsim.rig.presets import published_lens
+from rigsim.rig.remark import Remark
 from rigsim.study.scene.axes.axis import Axis
 from rigsim.study.scene.column import Column
 
 if TYPE_CHECKING:
     from rigsim.rig.intrinsics import Intrinsics
+    from rigsim.rig.stereo import StereoRig
     from rigsim.study.scene.recipe import Recipe
+
+_SAME_SHAPE = 0.01
+"""By which shapes may differ: 848x480 is taken for 16:9."""
 
 
 def _change(recipe: Recipe, size: tuple[int, int]) -> Recipe:
-    return recipe.lenses(lambda lens: _behind(lens, *size))
+    published = published_lens(recipe.base, *size)
+    return recipe.lenses(lambda lens: _behind(lens, *size) if published is None else published)
+
+
+def shape_remark(rig: StereoRig, width: int, height: int) -> Remark | None:
+    """What becomes of pictures that get another shape; None where they keep theirs, or have a mode of it."""
+    own = rig.left
+    rows = own.height * width / own.width
+    if abs(height / rows - 1) <= _SAME_SHAPE or published_lens(rig, width, height) is not None:
+        return None
+    done = f"cut by {rows - height:.0f} rows" if height < rows else f"grown by {height - rows:.0f} rows"
+    return Remark(
+        "shape",
+        f"--resolution {width}x{height} has another shape than the rig's {own.width}x{own.height} px: the "
+        f"picture is scaled to {width} px across, {own.hfov_deg:.3g} deg as before, and {done}, half of them "
+        f"above; --crop X,Y,W,H says what is cut out instead, --resize {width}x{height} squeezes it all in",
+    )
 
 
 def _behind(lens: Intrinsics, width: int, height: int) -> Intrinsics:

@@ -1,0 +1,1 @@
+"""What a rig is, and what is odd about it."""
