@@ -18,7 +18,7 @@ from rigsim.interop.formats.format import Asked, File, Format, Found
 from rigsim.interop.formats.kitti import kitti
 from rigsim.interop.formats.makers import matlab, oak, realsense, zed
 from rigsim.interop.formats.opencv import calibration as opencv
-from rigsim.interop.formats.photogrammetry import mrcal
+from rigsim.interop.formats.photogrammetry import metashape, mrcal
 from rigsim.interop.formats.robotics import basalt, euroc, kalibr, ros
 from rigsim.interop.formats.slam import orbslam, vins
 from rigsim.rig.intrinsics import Intrinsics
@@ -73,6 +73,7 @@ ALL: tuple[Format, ...] = tuple(
         zed.FORMAT,
         matlab.FORMAT,
         mrcal.FORMAT,
+        metashape.FORMAT,
     )
 )
 """All that are read."""
