@@ -37,7 +37,7 @@ class ExportedRig(Result):
     command: str = ""
     """What the document names as the command."""
     remarks: tuple[Remark, ...] = ()
-    """Nothing is odd about an export so far."""
+    """What the files were approximated by."""
 
     @property
     def table(self) -> Table:
@@ -71,7 +71,7 @@ class ExportedRig(Result):
         from rigsim.interop.documents.export import export_rig_document
 
         return export_rig_document(
-            self.command, self.format, self.rig, written or Written(folder="", files=[])
+            self.command, self.format, self.rig, written or Written(folder="", files=[]), self.remarks
         )
 
     def print(self, folder: Path | None = None) -> None:
@@ -84,12 +84,14 @@ class ExportedRig(Result):
         make_console().print(said, soft_wrap=True, markup=False, highlight=False)
 
 
-def export_rig(rig: RigLike, format: str, *, command: str = "") -> ExportedRig:
+def export_rig(rig: RigLike, format: str, *, approximate: bool = False, command: str = "") -> ExportedRig:
     """A rig as calibration files of another program; `ExportedRig.write` writes them.
 
     Args:
         rig: A preset's name, a calibration's path or text, or a rig.
-        format: opencv, ros, kalibr, middlebury, colmap, mjcf or nerfstudio.
+        format: opencv, ros, kalibr, middlebury, colmap, mjcf, nerfstudio or mrcal.
+        approximate: Whether a lens that the format lacks is fitted by the nearest one that it has; a remark
+            tells by how many px it is off.
         command: What the document names as the command that made it.
 
     Raises:
@@ -104,9 +106,12 @@ def export_rig(rig: RigLike, format: str, *, command: str = "") -> ExportedRig:
         >>> rigsim.read_rig(found.files()["camchain.yaml"].decode()).baseline_m
         0.075
     """
-    from rigsim.interop.formats.registry import rig_files
+    from rigsim.interop.formats.registry import approximate_files, rig_files
 
     one = read_rig(rig)
+    if approximate:
+        files, remarks = approximate_files(one, format)
+        return ExportedRig(one, format, files, command, remarks)
     return ExportedRig(one, format, rig_files(one, format), command)
 
 

@@ -36,6 +36,13 @@ def rig(
     format: Annotated[str, typer.Option(metavar="FORMAT", help=f"{lists.RIG_FORMATS}.")],
     out: Annotated[Path, typer.Option(help="Folder of the files.")],
     force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
+    approximate: Annotated[
+        bool,
+        typer.Option(
+            "--approximate",
+            help="Fit the nearest lens that the format has where it lacks the rig's; tells the px it is off by.",
+        ),
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Write a rig as calibration files: stereo.yml, left.yaml and right.yaml, camchain.yaml, and so on."""
@@ -45,7 +52,7 @@ def rig(
 
     from rigsim.api.export import export_rig
 
-    deliver(export_rig(one, format, command=command()), out, force, as_json)
+    deliver(export_rig(one, format, approximate=approximate, command=command()), out, force, as_json)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 
-from rigsim.errors import InvalidRig, TriangulatorError
+from rigsim.errors import TriangulatorError
 from rigsim.pixels.opencv import load_cv2
 from rigsim.rig.arrays import Array
-from rigsim.rig.intrinsics import Intrinsics
-from rigsim.rig.lens.distortion import brown_of
+from rigsim.rig.lens.distortion import BrownConrady
+from rigsim.rig.lens.kannala_brandt import KannalaBrandt
+from rigsim.rig.lens.lens import Lens
+from rigsim.rig.lens.rational import Rational
 from rigsim.rig.stereo import StereoRig
 
 _STEPS, _EPSILON = 200, 1e-15
@@ -29,11 +34,10 @@ def triangulate_cv2(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
     if not given.any():
         return found
     seen = []
-    for lens, uv in ((rig.left, uv_left), (rig.right, uv_right)):
+    for camera, uv in ((rig.left, uv_left), (rig.right, uv_right)):
+        undistort, D = _undistortion(cv2, camera.lens)
         criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, _STEPS, _EPSILON)
-        ideal = cv2.undistortPoints(
-            np.ascontiguousarray(uv[given])[:, None, :], lens.K, _coefficients(lens), criteria=criteria
-        )
+        ideal = undistort(np.ascontiguousarray(uv[given])[:, None, :], camera.K, D, criteria=criteria)
         seen.append(np.ascontiguousarray(ideal[:, 0, :].T))
     pose = rig.right_from_left
     P_right = np.column_stack([pose.R, pose.t])
@@ -46,10 +50,14 @@ def triangulate_cv2(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
     return found
 
 
-def _coefficients(lens: Intrinsics) -> Array | None:
-    if lens.lens is None:
-        return None
-    try:
-        return np.array(brown_of(lens.lens, "OpenCV's undistortPoints").coefficients)
-    except InvalidRig as error:
-        raise TriangulatorError(f"triangulator 'cv2': {error}: use 'optimal'", "misused") from None
+def _undistortion(cv2: Any, lens: Lens | None) -> tuple[Callable[..., Array], Array | None]:
+    """OpenCV's function that undistorts this lens's points, and the coefficients for it."""
+    if lens is None:
+        return cv2.undistortPoints, None
+    if not isinstance(lens, BrownConrady | Rational | KannalaBrandt):
+        raise TriangulatorError(
+            f"triangulator 'cv2': OpenCV undistorts no points of a {lens.model} lens: use 'optimal'",
+            "misused",
+        )
+    module = cv2.fisheye if isinstance(lens, KannalaBrandt) else cv2
+    return module.undistortPoints, np.array([getattr(lens, name) for name in lens.names()])

@@ -21,6 +21,8 @@ from rigsim.theory.frusta import Shared, nearest_common_depth, outline, shared_v
 from rigsim.theory.uncertainty import predict_depth_std
 
 _ALONG = 4097
+_ENDLESS = 1e3
+"""Extents in depths beyond which a lens shows the plane's points next to 90 degrees off its axis."""
 
 
 def depth_range_for_disparities(
@@ -139,7 +141,7 @@ def overlap_at_depth(rig: StereoRig, depth_m: npt.ArrayLike) -> Overlap:
             shared = shared_view(rig, 1 / z)
             found[:, place] = 0.0
             if shared.share:
-                width, height = np.ptp(_rays(rig, shared), axis=0) * z
+                width, height = _extents(rig, shared) * z
                 columns, rows = np.ptp(shared.corners_uv, axis=0)
                 found[:, place] = width, shared.share, height, columns, rows
     return Overlap(*found.reshape(5, *depth.shape))
@@ -178,6 +180,12 @@ def depth_step_m(rig: StereoRig, depth_m: npt.ArrayLike, disparity_step_px: npt.
 def world_per_pixel_m(rig: StereoRig, depth_m: npt.ArrayLike) -> Array:
     """Width (...) m that one column of the left image covers at `depth_m` (...): ``Z / fx``."""
     return np.asarray(np.asarray(depth_m, dtype=np.float64) / rig.left.fx)
+
+
+def _extents(rig: StereoRig, shared: Shared) -> Array:
+    """Width and height (2,) of what is shared, in depths; infinite where it goes on beside the camera."""
+    extents = np.ptp(_rays(rig, shared), axis=0)
+    return np.where(extents < _ENDLESS, extents, np.inf) if rig.left.is_wide else extents
 
 
 def _rays(rig: StereoRig, shared: Shared) -> Array:

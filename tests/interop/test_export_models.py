@@ -11,12 +11,22 @@ import pytest
 from hypothesis import given
 
 from rigsim.errors import InvalidRig
+from rigsim.interop.formats.colmap import FORMAT as COLMAP
 from rigsim.interop.formats.colmap import colmap_files, parse_colmap
+from rigsim.interop.formats.format import Asked
+from rigsim.interop.formats.nerfstudio import FORMAT as NERFSTUDIO
 from rigsim.interop.formats.nerfstudio import parse_transforms, transforms_json
+from rigsim.interop.formats.photogrammetry.colmap_models import camera_of
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.distortion import BrownConrady
+from rigsim.rig.lens.eucm import Eucm
+from rigsim.rig.lens.fov import FieldOfView
+from rigsim.rig.lens.kannala_brandt import KannalaBrandt
+from rigsim.rig.lens.lens import Lens
+from rigsim.rig.lens.rational import Rational
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
+from tests.helpers.calibrations import read
 from tests.helpers.rig_strategies import rigs, same_rig
 
 LENS = Intrinsics(640, 480, 800.0, 810.0, 319.5, 239.5)
@@ -60,11 +70,13 @@ def test_colmap_there_and_back(rig: StereoRig) -> None:
         (None, "PINHOLE"),
         (BrownConrady(-0.2, 0.05, 1e-3, -2e-3), "OPENCV"),
         (BrownConrady(-0.2, 0.05, 1e-3, -2e-3, 0.01), "FULL_OPENCV"),
+        (Rational(-0.2, 0.05, 1e-3, -2e-3, 0.01, 0.1, 0.02, 0.003), "FULL_OPENCV"),
+        (KannalaBrandt(-0.02, 0.01, -0.003, 0.002), "OPENCV_FISHEYE"),
+        (FieldOfView(0.9), "FOV"),
+        (Eucm(0.6, 1.1), "EUCM"),
     ],
 )
-def test_pycolmap_opens_it_and_projects_alike(
-    tmp_path: Path, distortion: BrownConrady | None, model: str
-) -> None:
+def test_pycolmap_opens_it_and_projects_alike(tmp_path: Path, distortion: Lens | None, model: str) -> None:
     lens = Intrinsics(640, 480, 800.0, 810.0, 301.5, 251.25, distortion)
     other = Intrinsics(600, 500, 700.0, 705.0, 299.0, 260.0, distortion)
     turned = Pose.from_rotvec([0.02, -0.1, 0.03])
@@ -83,6 +95,65 @@ def test_pycolmap_opens_it_and_projects_alike(
             assert found.cameras[image.camera_id].model.name == model
             projected = [image.project_point(point) for point in POINTS_WORLD]
             np.testing.assert_allclose(np.array(projected) - 0.5, uv, rtol=0, atol=1e-9)
+    files = [(path.name, path.read_text()) for path in tmp_path.iterdir()]
+    got = read(COLMAP, *files)
+    same_rig(got.rig, rig)
+    assert got.unit == "m"
+
+
+# one focal length, its own numbers of terms; 320.5 from the corner is the pixel 320 here
+@pytest.mark.parametrize(
+    ("line", "lens"),
+    [
+        ("SIMPLE_PINHOLE 640 480 500 320.5 240.5", None),
+        ("SIMPLE_RADIAL 640 480 500 320.5 240.5 0.1", BrownConrady(0.1)),
+        ("RADIAL 640 480 500 320.5 240.5 0.1 0.02", BrownConrady(0.1, 0.02)),
+        ("SIMPLE_FISHEYE 640 480 500 320.5 240.5", KannalaBrandt()),
+        ("FISHEYE 640 480 500 500 320.5 240.5", KannalaBrandt()),
+        ("SIMPLE_RADIAL_FISHEYE 640 480 500 320.5 240.5 0.1", KannalaBrandt(0.1)),
+        ("RADIAL_FISHEYE 640 480 500 320.5 240.5 0.1 0.02", KannalaBrandt(0.1, 0.02)),
+    ],
+)
+def test_short_models(line: str, lens: Lens | None) -> None:
+    name, width, height, *params = line.split()
+    found = camera_of(["1", *line.split()], "here")
+    assert found == Intrinsics(640, 480, 500, 500, 320, 240, lens)
+    theirs = pycolmap.Camera(
+        model=name, width=int(width), height=int(height), params=[float(p) for p in params]
+    )
+    point = np.array([0.3, -0.2, 1.0])
+    np.testing.assert_allclose(theirs.img_from_cam(point[None])[0] - 0.5, found.project(point), atol=1e-9)
+
+
+def test_rigs_of_three_and_of_one() -> None:
+    pose = "1 0 0 0 {} 0 0"
+    files = colmap_files(RIG)
+    cameras = "".join(f"{i} PINHOLE 640 480 {400 + i} 400 320 240\n" for i in (1, 2, 3))
+    three = f"1 1 CAMERA 1\n2 4 CAMERA 1 IMU 9 0 CAMERA 2 1 {pose.format(-1)} CAMERA 3 1 {pose.format(-3)}\n"
+    texts = [("cameras.txt", cameras), ("rigs.txt", three), ("images.txt", files["images.txt"])]
+    got = read(COLMAP, *texts, asked=Asked(cameras=("2", "3")))
+    assert (got.rig.left.fx, got.rig.right_from_left.t.tolist(), got.unit) == (402, [-2, 0, 0], None)
+    with pytest.raises(InvalidRig, match="a rig of the cameras 1, 2, 3: choose two, as --rig-cameras 1,2"):
+        read(COLMAP, *texts)
+    with pytest.raises(
+        InvalidRig, match="every rig has one, so that its pictures are of a camera that moves"
+    ):
+        read(COLMAP, texts[0], ("rigs.txt", "1 1 CAMERA 1\n"))
+
+
+def test_cameras_without_a_rig_must_keep_still() -> None:
+    names = [("cam0/a_001.png", "cam1/b_001.png"), ("cam0/a_002.png", "cam1/b_002.png")]
+    files = colmap_files(RIG, [Pose(), MOVED], names)
+    texts = [(name, files[name]) for name in ("cameras.txt", "images.txt")]
+    same_rig(read(COLMAP, *texts).rig, RIG)
+    *before, last = (line for line in texts[1][1].splitlines() if line)
+    words = last.split()
+    moved = "\n\n".join([*before[1:], " ".join([*words[:5], str(float(words[5]) + 0.1), *words[6:]]), ""])
+    with pytest.raises(InvalidRig, match="camera 2 moves against camera 1"):
+        read(COLMAP, texts[0], ("images.txt", moved))
+    alone = texts[1][1].replace("b_001", "b_7").replace("b_002", "b_8")
+    with pytest.raises(InvalidRig, match="no image of camera 2 is called like one of camera 1"):
+        read(COLMAP, texts[0], ("images.txt", alone))
 
 
 @given(rigs(distorted=False))
@@ -100,8 +171,8 @@ def test_what_pycolmap_writes_is_read(tmp_path_factory: pytest.TempPathFactory, 
         (
             "cameras.txt",
             "1 PINHOLE",
-            "1 FISHEYE",
-            r"cameras.txt, line 2: camera model FISHEYE: must be one of",
+            "1 DIVISION",
+            r"cameras.txt, line 2: camera model DIVISION: must be one of",
         ),
         ("cameras.txt", "2 PINHOLE", "3 PINHOLE", "cameras.txt: camera 2 is missing: a rig needs two"),
         ("cameras.txt", "240.0\n", "240.0 0.1\n", "line 2: PINHOLE has 5 numbers, must have 4"),
@@ -180,6 +251,21 @@ def test_transforms_with_shared_intrinsics_and_the_right_one_first() -> None:
     same_rig(parse_transforms(json.dumps({**shared, "frames": frames})), RIG)
 
 
+def test_fisheyes_and_words_of_their_own() -> None:
+    fisheye = Intrinsics(640, 480, 300, 301, 319.5, 239.5, KannalaBrandt(0.1, 0.02, 0.003, 0.004))
+    rig = StereoRig(fisheye, fisheye, RIG.right_from_left)
+    text = transforms_json(rig, names=[("cam0/1.png", "cam1/1.png")])
+    got = read(NERFSTUDIO, text, asked=Asked(cameras=("cam0", "cam1")))
+    same_rig(got.rig, rig)
+    assert got.unit == "m"
+    assert (
+        read(NERFSTUDIO, text.replace("length_unit", "other"), asked=Asked(cameras=("cam0", "cam1"))).unit
+        is None
+    )
+    with pytest.raises(InvalidRig, match="one model for all frames"):
+        transforms_json(StereoRig(fisheye, LENS, RIG.right_from_left))
+
+
 def test_poses_of_one_moving_camera_are_no_rig() -> None:
     document = json.loads(transforms_json(RIG, names=[("frame_1.png", "frame_2.png")]))
     with pytest.raises(
@@ -202,7 +288,7 @@ def test_sides_that_move_against_each_other_are_no_rig() -> None:
     ("change", "message"),
     [
         ({"frames": []}, "frames 0: must be a list of two or more"),
-        ({"camera_model": "OPENCV_FISHEYE"}, "camera_model OPENCV_FISHEYE: must be one of OPENCV"),
+        ({"camera_model": "EQUIRECTANGULAR"}, "camera_model EQUIRECTANGULAR: must be one of OPENCV"),
         ({"k4": 0.1}, "k4 of frame 0 0.1: must be 0"),
     ],
 )

@@ -14,6 +14,11 @@ from rigsim.interop.formats.opencv.calibration import parse_opencv_yaml
 from rigsim.interop.formats.opencv_yaml import opencv_yaml, write_opencv_yaml
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.distortion import BrownConrady
+from rigsim.rig.lens.fov import FieldOfView
+from rigsim.rig.lens.kannala_brandt import KannalaBrandt
+from rigsim.rig.lens.lens import Lens
+from rigsim.rig.lens.mei import Mei
+from rigsim.rig.lens.rational import Rational
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 from tests.helpers.rig_strategies import rigs, same_rig
@@ -42,6 +47,51 @@ def test_by_hand() -> None:
 @given(rigs())
 def test_there_and_back(rig: StereoRig) -> None:
     same_rig(parse_opencv_yaml(opencv_yaml(rig)), rig)
+
+
+@pytest.mark.parametrize(
+    ("lens", "terms"),
+    [
+        (BrownConrady(0.1), 5),
+        (Rational(0.1, 0.02, 0.001, 0.002, 0.03, 0.04, 0.005, 0.006), 8),
+        (Rational(0.1, s4=0.001), 12),
+        (Rational(0.1, tau_y=0.01), 14),
+    ],
+)
+def test_cv2_projects_what_was_written_with_more_terms(tmp_path: Path, lens: Lens, terms: int) -> None:
+    rig = StereoRig.rectified(Intrinsics(640, 480, 800.0, 810.0, 319.5, 239.5, lens), 0.12)
+    path = tmp_path / "stereo.yml"
+    write_opencv_yaml(path, rig)
+    K1, D1 = stored(path, "K1", "D1")
+    assert D1.size == terms
+    points = np.array([[0.1, -0.2, 3.0], [-0.3, 0.25, 4.0]])
+    found, _ = cv2.projectPoints(points, np.zeros(3), np.zeros(3), K1, D1)
+    np.testing.assert_allclose(found[:, 0], rig.left.project(points), atol=1e-9)
+
+
+def test_fisheyes_and_omnidirectional_cameras(tmp_path: Path) -> None:
+    fisheye = Intrinsics(640, 480, 300.0, 310.0, 319.5, 239.5, KannalaBrandt(0.1, 0.02, -0.003, 0.004))
+    rig = StereoRig.rectified(fisheye, 0.12)
+    path = tmp_path / "stereo.yml"
+    write_opencv_yaml(path, rig)
+    K1, D1 = stored(path, "K1", "D1")
+    points = np.array([[[0.1, -0.2, 0.3], [-0.3, 0.25, 0.4]]])
+    found, _ = cv2.fisheye.projectPoints(points, np.zeros(3), np.zeros(3), K1, D1)
+    np.testing.assert_allclose(found[0], rig.left.project(points[0]), atol=1e-9)
+    same_rig(parse_opencv_yaml(opencv_yaml(rig)), rig)
+    omni = Intrinsics(640, 480, 700.0, 710.0, 319.5, 239.5, Mei(1.2, 0.1, 0.02, 0.003, -0.004))
+    other = Intrinsics(640, 480, 700.0, 710.0, 319.5, 239.5, Mei(1.1, 0.1))
+    rig = StereoRig(omni, other, rig.right_from_left)
+    assert "xi1: 1.2\nxi2: 1.1\n" in opencv_yaml(rig)
+    same_rig(parse_opencv_yaml(opencv_yaml(rig)), rig)
+    with pytest.raises(
+        InvalidRig, match="left lens is fisheye, right one omnidir: OpenCV takes two of one kind"
+    ):
+        opencv_yaml(StereoRig(fisheye, omni, rig.right_from_left))
+    with pytest.raises(InvalidRig, match=r"lens fov with w 0\.9: OpenCV, beside fisheyes"):
+        opencv_yaml(
+            StereoRig.rectified(Intrinsics(640, 480, 700.0, 710.0, 319.5, 239.5, FieldOfView(0.9)), 0.1)
+        )
 
 
 @given(rigs())
@@ -144,11 +194,16 @@ def test_bad_input_is_one_line(old: str, new: str, message: str) -> None:
     assert "\n" not in str(caught.value)
 
 
-def test_a_rational_lens_is_refused() -> None:
+def test_a_rational_lens_projects_as_cv2_s() -> None:
     text = GOOD.replace(
         "cols: 5\n   dt: d\n   data: [ 0.0, 0.0, 0.0, 0.0, 0.0 ]",
-        "cols: 8\n   dt: d\n   data: [ 0.1, 0.0, 0.0, 0.0, 0.0, 0.2, 0.0, 0.0 ]",
+        "cols: 8\n   dt: d\n   data: [ 0.1, 0.02, 1.0e-03, -2.0e-03, 0.01, 0.2, 0.03, 0.004 ]",
         1,
     )
-    with pytest.raises(InvalidRig, match=r"D1: a term beyond k3 is 0\.2, must be 0"):
-        parse_opencv_yaml(text)
+    rig = parse_opencv_yaml(text)
+    assert rig.left.lens == Rational(0.1, 0.02, 1e-3, -2e-3, 0.01, 0.2, 0.03, 0.004)
+    assert rig.right.lens is None
+    points = np.array([[0.4, -0.3, 1.0], [-0.2, 0.35, 1.0]])
+    D = np.array([0.1, 0.02, 1e-3, -2e-3, 0.01, 0.2, 0.03, 0.004])
+    found, _ = cv2.projectPoints(points, np.zeros(3), np.zeros(3), rig.left.K, D)
+    np.testing.assert_allclose(rig.left.project(points), found[:, 0], atol=1e-9)

@@ -97,7 +97,7 @@ class Rig(Part):
 class SeenRig(Rig):
     """A rig with its field of view."""
 
-    hfov_deg: float = Field(gt=0, lt=180)
+    hfov_deg: float = Field(gt=0, le=360)
     """Horizontal field of view of the left camera, degrees."""
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from typing import Annotated, Any
 
 from pydantic import AfterValidator, Field
@@ -11,6 +12,7 @@ from rigsim.interop.documents.base import Part, Provenance, RemarkPart, SeenRig,
 from rigsim.interop.documents.text import clean
 from rigsim.interop.formats.registry import RIG_FORMATS
 from rigsim.interop.layouts.registry import BY_NAME as LAYOUTS
+from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 
 
@@ -48,6 +50,8 @@ class ExportRigDocument(Part):
     format: _RigFormat
     """Whose files they are."""
     rig: ExportedRig
+    remarks: list[RemarkPart]
+    """What is odd about the rig, and what its lenses were approximated by; also on standard error."""
     written: Written
     """The files; their folder can be given to --rig."""
 
@@ -75,10 +79,18 @@ class ExportDatasetDocument(Part):
     """The files, with their folders; the data set's own folder can be given to --rig."""
 
 
-def export_rig_document(command: str, format: str, rig: StereoRig, written: Written) -> dict[str, Any]:
+def export_rig_document(
+    command: str, format: str, rig: StereoRig, written: Written, remarks: Iterable[Remark] = ()
+) -> dict[str, Any]:
     """A rig that was written as calibration files."""
     document = ExportRigDocument.model_validate(
-        {"command": command, "format": format, "rig": _rig(rig), "written": written}
+        {
+            "command": command,
+            "format": format,
+            "rig": _rig(rig),
+            "remarks": [asdict(remark) for remark in remarks],
+            "written": written,
+        }
     )
     return document.model_dump()
 

@@ -14,7 +14,7 @@ from rigsim.interop.formats.opencv_yaml import opencv_yaml
 from rigsim.programs import plain
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.intrinsics import Intrinsics
-from rigsim.rig.lens.distortion import brown_of
+from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.stereo import StereoRig
 
 CALIBRATION = "calibration.json"
@@ -54,7 +54,7 @@ def calibration_json(rig: StereoRig) -> str:
         "conventions": {
             "pixels": "an integer coordinate is a pixel's centre, u to the right, v down",
             "axes": "x right, y down, z forward",
-            "distortion": "Brown-Conrady, as OpenCV's k1, k2, p1, p2, k3",
+            "distortion": "Brown-Conrady, as OpenCV's k1, k2, p1, p2, k3; another lens says its model",
             "right_from_left": "x_right = R x_left + t, R row by row, t in metres",
         },
         "left": _camera(rig.left),
@@ -93,7 +93,8 @@ def parse_points(content: bytes, count: int) -> Array:
 
 
 def _camera(camera: Intrinsics) -> dict[str, object]:
-    lens = brown_of(camera.lens, CALIBRATION)
+    lens = camera.lens or BrownConrady()
+    model = {} if isinstance(lens, BrownConrady) else {"model": lens.model}
     return {
         "width_px": camera.width,
         "height_px": camera.height,
@@ -101,7 +102,7 @@ def _camera(camera: Intrinsics) -> dict[str, object]:
         "fy_px": camera.fy,
         "cx_px": camera.cx,
         "cy_px": camera.cy,
-        "distortion": {name: getattr(lens, name) for name in lens.names()},
+        "distortion": {**model, **{name: getattr(lens, name) for name in lens.names()}},
     }
 
 

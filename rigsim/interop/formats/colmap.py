@@ -7,40 +7,55 @@ unit.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
+from dataclasses import dataclass
 
 import numpy as np
 
 from rigsim.errors import InvalidRig
-from rigsim.interop.formats.format import Format
+from rigsim.interop.formats.format import Asked, File, Format, Found
+from rigsim.interop.formats.photogrammetry.colmap_models import NAMES, camera_line, camera_of
 from rigsim.interop.formats.values import (
     clipped,
     number,
-    opencv_distortion,
-    pixels,
     quaternion_from_rotvec,
-    read_text,
     real,
     rotation_from_quaternion,
+    shown,
 )
-from rigsim.rig.intrinsics import Intrinsics
-from rigsim.rig.lens.distortion import brown_of
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 
 FILE_NAMES = ("cameras.txt", "rigs.txt", "frames.txt", "images.txt", "points3D.txt")
 
-_HALF = 0.5
-# how many numbers each model has, and which of them are fx, fy, cx, cy, k1, k2, p1, p2, k3
-_MODELS: dict[str, tuple[int, tuple[int, ...]]] = {
-    "SIMPLE_PINHOLE": (3, (0, 0, 1, 2)),
-    "PINHOLE": (4, (0, 1, 2, 3)),
-    "SIMPLE_RADIAL": (4, (0, 0, 1, 2, 3)),
-    "RADIAL": (5, (0, 0, 1, 2, 3, 4)),
-    "OPENCV": (8, (0, 1, 2, 3, 4, 5, 6, 7)),
-    "FULL_OPENCV": (12, (0, 1, 2, 3, 4, 5, 6, 7, 8)),
-}
+_STILL = 0.03  # of the baseline: more than what poses from pictures are mostly off by
+
+IN_METRES = "(TYPE ID HAS_POSE QW QX QY QZ TX TY TZ)[]; metres"
+"""How rigsim's own rigs.txt says its unit."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Image:
+    """A line of images.txt."""
+
+    camera: str
+    name: str
+    pose: Pose
+    """Maps the world to the camera."""
+
+    @classmethod
+    def of(cls, words: Sequence[str], where: str) -> _Image:
+        if len(words) < 10:
+            raise InvalidRig(f"{where}: has {len(words)} words, must have 10: id, pose, camera, name")
+        return cls(words[8], words[9], _pose(words[1:8], where))
+
+    @property
+    def frame(self) -> str:
+        """What images that were taken together share: the number in the name, or all but the folder."""
+        base = self.name.replace("\\", "/").rpartition("/")[2]
+        digits = re.findall(r"\d+", base)
+        return digits[-1].lstrip("0") if digits else base
 
 
 def colmap_files(
@@ -55,7 +70,7 @@ def colmap_files(
         left_from_world: where the rig was in each frame.
         names: the left and the right image's name of each frame.
     """
-    cameras = [_camera_line(1, rig.left), _camera_line(2, rig.right)]
+    cameras = [camera_line(1, rig.left), camera_line(2, rig.right)]
     frames, images = [], []
     for i, (pose, pair) in enumerate(zip(left_from_world, names, strict=True)):
         ids = (2 * i + 1, 2 * i + 2)
@@ -66,7 +81,7 @@ def colmap_files(
             images += [f"{image} {_pose_text(own)} {camera} {name}", ""]
     heads = (
         "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]; the first pixel's centre is at 0.5, 0.5",
-        "# RIG_ID NUM_SENSORS REF_TYPE REF_ID (TYPE ID HAS_POSE QW QX QY QZ TX TY TZ)[]; metres",
+        f"# RIG_ID NUM_SENSORS REF_TYPE REF_ID {IN_METRES}",
         "# FRAME_ID RIG_ID QW QX QY QZ TX TY TZ NUM_DATA (TYPE SENSOR_ID IMAGE_ID)[]; rig from world",
         "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, and a line of points; camera from world",
         "# POINT3D_ID X Y Z R G B ERROR TRACK[]",
@@ -79,38 +94,32 @@ def colmap_files(
     }
 
 
-def parse_colmap(texts: Mapping[str, str]) -> StereoRig:
+def parse_colmap(texts: Mapping[str, str], cameras: tuple[str, str] | None = None) -> StereoRig:
     """The rig in the texts of a model, by file name: ``cameras.txt``, and ``rigs.txt`` or ``images.txt``.
 
     The left camera is the first rig's reference; in a model without rigs it is the first image's, and the
     right one the second image's, which must be of another camera: two poses of one camera are no rig.
 
+    Args:
+        texts: the files' texts.
+        cameras: ids of the left and the right camera, of a rig with more than two.
+
     Raises:
         InvalidRig: a line cannot be read, a camera is missing or moves between the images, or its model is
             unknown.
     """
-    cameras = {}
-    for words, where in _lines(texts["cameras.txt"], "cameras.txt"):
-        cameras[words[0]] = _camera(words, where)
+    found = {
+        words[0]: camera_of(words, where) for words, where in _lines(texts["cameras.txt"], "cameras.txt")
+    }
     rigs = list(_lines(texts.get("rigs.txt", ""), "rigs.txt"))
     if rigs:
-        left, right, pose = _rig(*rigs[0])
+        left, right, pose = _two(_rig(rigs), cameras)
     else:
         left, right, pose = _first_two(texts.get("images.txt", ""))
     for name in (left, right):
-        if name not in cameras:
+        if name not in found:
             raise InvalidRig(f"cameras.txt: camera {name} is missing: a rig needs two")
-    return StereoRig(cameras[left], cameras[right], pose)
-
-
-def _camera_line(number: int, camera: Intrinsics) -> str:
-    d = brown_of(camera.lens, "COLMAP's OPENCV camera")
-    params = [camera.fx, camera.fy, camera.cx + _HALF, camera.cy + _HALF]
-    model = "PINHOLE"
-    if not d.is_ideal:
-        params += [d.k1, d.k2, d.p1, d.p2] + ([d.k3, 0.0, 0.0, 0.0] if d.k3 else [])
-        model = "FULL_OPENCV" if d.k3 else "OPENCV"
-    return f"{number} {model} {camera.width} {camera.height} {' '.join(real(value) for value in params)}"
+    return StereoRig(found[left], found[right], pose)
 
 
 def _pose_text(pose: Pose) -> str:
@@ -124,77 +133,156 @@ def _lines(text: str, file: str) -> Iterator[tuple[list[str], str]]:
             yield line.split(), f"{file}, line {i}"
 
 
-def _camera(words: list[str], where: str) -> Intrinsics:
-    if len(words) < 5 or words[1] not in _MODELS:
-        model = clipped(words[1]) if len(words) > 1 else "missing"
-        raise InvalidRig(f"{where}: camera model {model}: must be one of {', '.join(_MODELS)}")
-    count, places = _MODELS[words[1]]
-    if len(words) != 4 + count:
-        raise InvalidRig(f"{where}: {words[1]} has {len(words) - 4} numbers, must have {count}")
-    width, height = (pixels(word, f"{where}: size") for word in words[2:4])
-    params = [number(word, f"{where}: parameter") for word in words[4:]]
-    fx, fy, cx, cy, *terms = (params[place] for place in places)
-    terms += [0.0] * (5 - len(terms)) + params[9:]
-    distortion = opencv_distortion(np.array(terms), where)
-    return Intrinsics(width, height, fx, fy, cx - _HALF, cy - _HALF, distortion)
+def _rig(rigs: Sequence[tuple[list[str], str]]) -> dict[str, Pose]:
+    """The cameras of the first rig that has two, by id, the reference first: poses from the rig's frame."""
+    for words, where in rigs:
+        sensors = _sensors(words, where)
+        if len(sensors) > 1:
+            return sensors
+    where = rigs[0][1]
+    raise InvalidRig(
+        f"{where}: must be a rig of two cameras: every rig has one, so that its pictures are of a camera that"
+        " moves; tell COLMAP which sensors are one rig (rig_configurator)"
+    )
 
 
-def _rig(words: list[str], where: str) -> tuple[str, str, Pose]:
-    if len(words) != 14 or words[1] != "2" or words[2] != "CAMERA" or words[4] != "CAMERA":
+def _sensors(words: Sequence[str], where: str) -> dict[str, Pose]:
+    """The cameras of one rig; those without a pose are left out."""
+    count = int(number(words[1], f"{where}: sensors")) if len(words) > 1 else 0
+    if count > 0 and len(words) < 4:
         raise InvalidRig(f"{where}: must be a rig of two cameras, the second one with its pose")
-    return words[3], words[5], _pose(words[7:], where)
+    sensors = {words[3]: Pose()} if count > 0 and words[2] == "CAMERA" else {}
+    place = 4
+    for _ in range(count - 1):
+        has_pose = words[place + 2 : place + 3] == ["1"]
+        end = place + 3 + (7 if has_pose else 0)
+        if len(words) < end:
+            raise InvalidRig(f"{where}: must be a rig of two cameras, the second one with its pose")
+        if has_pose and words[place] == "CAMERA":
+            sensors[words[place + 1]] = _pose(words[place + 3 : end], where)
+        place = end
+    if len(words) != place and count > 0:
+        raise InvalidRig(f"{where}: must be a rig of two cameras, the second one with its pose")
+    return sensors
+
+
+def _two(sensors: Mapping[str, Pose], cameras: tuple[str, str] | None) -> tuple[str, str, Pose]:
+    names = list(sensors)
+    if cameras is None and len(names) > 2:
+        raise InvalidRig(
+            f"rigs.txt: a rig of the cameras {clipped(', '.join(names))}: choose two, as --rig-cameras"
+            f" {names[0]},{names[1]}"
+        )
+    left, right = cameras or (names[0], names[1])
+    for name in (left, right):
+        if name not in sensors:
+            raise InvalidRig(f"camera {shown(name)}: must be one of {clipped(', '.join(names))}")
+    return left, right, sensors[right] @ sensors[left].inverse
 
 
 def _first_two(text: str) -> tuple[str, str, Pose]:
+    """The cameras of the first two images, and their pose: that of all that were taken together."""
     # every second line holds points, and may be empty
     rows = [
         (line.split(), f"images.txt, line {i}")
         for i, line in enumerate(text.splitlines(), start=1)
         if not line.lstrip().startswith("#")
     ][::2]
-    seen = [(words, where) for words, where in rows if words][:2]
-    for words, where in seen:
-        if len(words) < 10:
-            raise InvalidRig(f"{where}: has {len(words)} words, must have 10: id, pose, camera, name")
-    if len(seen) < 2:
+    images = [_Image.of(words, where) for words, where in rows if words]
+    if len(images) < 2:
         raise InvalidRig(
-            f"images.txt: has {len(seen)} image(s), must have 2, left and right; or give a rigs.txt"
+            f"images.txt: has {len(images)} image(s), must have 2, left and right; or give a rigs.txt"
         )
-    names = [words[9] for words, _ in seen]
-    if seen[0][0][8] == seen[1][0][8] and not ("left" in names[0] and "right" in names[1]):
-        raise InvalidRig(
-            f"images.txt: {clipped(names[0])} and {clipped(names[1])} are both of camera {seen[0][0][8]}: two"
-            " poses of one camera that moves are no rig; give a rigs.txt, or name the images left and right"
-        )
-    left, right = (_pose(words[1:8], where) for words, where in seen)
-    return seen[0][0][8], seen[1][0][8], right @ left.inverse
+    left = images[0]
+    right = next((image for image in images if image.camera != left.camera), images[1])
+    if right.camera == left.camera:
+        if not ("left" in left.name and "right" in right.name):
+            raise InvalidRig(
+                f"images.txt: {clipped(left.name)} and {clipped(right.name)} are both of camera"
+                f" {left.camera}: two poses of one camera that moves are no rig; give a rigs.txt, or name the"
+                " images left and right"
+            )
+        return left.camera, right.camera, right.pose @ left.pose.inverse
+    poses = _poses_together(images, left.camera, right.camera)
+    for pose in poses[1:]:
+        moved = float(np.linalg.norm(pose.t - poses[0].t))
+        if not moved <= _STILL * float(np.linalg.norm(poses[0].t)):
+            raise InvalidRig(
+                f"images.txt: camera {right.camera} moves against camera {left.camera}, by {moved:.3g} of a"
+                f" baseline of {float(np.linalg.norm(poses[0].t)):.3g}: no rig; give a rigs.txt"
+            )
+    return left.camera, right.camera, poses[0]
 
 
-def _pose(words: list[str], where: str) -> Pose:
+def _poses_together(images: Sequence[_Image], left: str, right: str) -> list[Pose]:
+    """Poses of the right camera from the left one, of images that are called alike but for their folder."""
+    lefts, rights = ([image for image in images if image.camera == camera] for camera in (left, right))
+    if len(lefts) == len(rights) == 1:
+        return [rights[0].pose @ lefts[0].pose.inverse]
+    by_frame = {image.frame: image for image in rights}
+    poses = [by_frame[one.frame].pose @ one.pose.inverse for one in lefts if one.frame in by_frame]
+    if not poses:
+        raise InvalidRig(
+            f"images.txt: no image of camera {right} is called like one of camera {left}, so that none are"
+            " known to be taken together: give a rigs.txt"
+        )
+    return poses
+
+
+def _pose(words: Sequence[str], where: str) -> Pose:
     values = np.array([number(word, f"{where}: pose") for word in words])
     return Pose(rotation_from_quaternion(values[:4], where), values[4:])
 
 
-_READ = ("cameras.txt", "rigs.txt", "images.txt")
+# what the first line of each file that says something looks like
+_FIRST = {
+    "cameras.txt": re.compile(rf"\d+\s+(?:{'|'.join(NAMES)})\b"),
+    "rigs.txt": re.compile(r"\d+\s+\d+\s+(?:CAMERA|IMU)\s+\d+"),
+    "images.txt": re.compile(r"\d+(?:\s+[-+.\deE]+){7}\s+\d+\s+\S"),
+}
 
 
-def _read(path: Path) -> StereoRig:
-    folder = path.parent
-    needed, *others = _READ
-    names = [needed, *(name for name in others if (folder / name).exists())]
-    try:
-        return parse_colmap({name: read_text(folder / name) for name in names})
-    except InvalidRig as error:
-        raise InvalidRig(f"{folder}: {error}") from None
+def _kind(file: File) -> str | None:
+    """Which of a model's files it is, by what it says."""
+    line = next((line for line in file.text.splitlines() if line.strip() and line.lstrip()[0] != "#"), "")
+    return next((name for name, form in _FIRST.items() if form.match(line.strip())), None)
+
+
+def _groups(files: Sequence[File]) -> list[tuple[File, ...]]:
+    kinds = [(file, _kind(file)) for file in files]
+    made = []
+    for file, kind in kinds:
+        if kind == "cameras.txt":
+            beside = {other: one for one, other in kinds if one.path.parent == file.path.parent}
+            others = [beside[name] for name in ("rigs.txt", "images.txt") if name in beside]
+            if others:
+                made.append((file, *others))
+    return made
+
+
+def _lacks(file: File) -> str | None:
+    kind = _kind(file)
+    if kind is None:
+        return None
+    if kind == "cameras.txt":
+        return "is COLMAP's cameras.txt, and no rigs.txt or images.txt lies beside it"
+    return f"is COLMAP's {kind}, and no cameras.txt lies beside it"
+
+
+def _open(group: tuple[File, ...], asked: Asked) -> Found:
+    texts = {str(_kind(file)): file.text for file in group}
+    ours = any(IN_METRES in text for text in texts.values())
+    return Found(parse_colmap(texts, asked.cameras), unit="m" if ours else None)
 
 
 FORMAT = Format(
     "colmap",
     "COLMAP's text model, with its rigs and frames",
     (".txt",),
-    _READ[0],
+    "cameras.txt",
     "sparse/0/cameras.txt",
-    read=_read,
-    names=_READ,
+    groups=_groups,
+    open=_open,
+    lacks=_lacks,
     write=colmap_files,
 )

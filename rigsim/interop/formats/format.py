@@ -116,7 +116,8 @@ class Format:
     drawn_up: bool = False
     """Whether a rig is taken as somebody drew it up: its right camera may lie on the left side."""
     late: bool = False
-    """Whether its `knows` holds for others' texts as well: it is asked last."""
+    """Whether it also makes rigs of others' files, which have the same names for the same things: those that another
+    format takes are not its own."""
     otherwise: tuple[str, ...] = ()
     """Endings of which it takes the files that no format knows."""
     groups: Callable[[Sequence[File]], list[tuple[File, ...]]] | None = None

@@ -1,17 +1,24 @@
-"""A calibration as MuJoCo's MJCF: ``rig.xml``, one body with the two cameras, for MuJoCo 3.6 on.
+"""Cameras of MuJoCo's MJCF: two of any scene, and a file of their own, ``rig.xml``, for MuJoCo 3.6 on.
 
-The body looks along its +X with +Z up and the left camera towards +Y; it sits in the middle of the baseline.
-A camera looks along its own -Z. MuJoCo draws pinholes, so a lens with distortion is refused.
+In ours the body looks along its +X with +Z up and the left camera towards +Y; it sits in the middle of the
+baseline. A camera looks along its own -Z. MuJoCo draws pinholes, so a lens with distortion is refused.
+Whatever is not written as ours is compiled by MuJoCo: field of view, sensor, any words for an attitude,
+nested bodies, defaults and includes.
 """
 
 from __future__ import annotations
 
+import contextlib
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 
-from rigsim.errors import InvalidRig
-from rigsim.interop.formats.format import Format
+from rigsim.errors import InvalidRig, InvalidScene
+from rigsim.interop.formats.format import Asked, File, Format, Found, alone
+from rigsim.interop.formats.opencv.filestorage import xml_root
 from rigsim.interop.formats.values import (
     clipped,
     number,
@@ -19,10 +26,12 @@ from rigsim.interop.formats.values import (
     quaternion_from_rotvec,
     real,
     rotation_from_quaternion,
+    shown,
 )
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.pose import Pose, rotvec_from_rotation
+from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.axes import CV_FROM_GL, REP103_FROM_RIG, principal_offset
 
@@ -32,7 +41,10 @@ _HEAD = """\
 <!-- rigsim stereo rig, metres. The body looks along +X, +Z is up. principalpixel is the image's middle,
      (W-1)/2 and (H-1)/2, minus the principal point. Draw at the camera's resolution. -->
 """
-_TURNS = ("axisangle", "euler", "xyaxes", "zaxis")
+_NEEDED = {"name", "resolution", "sensorsize", "focalpixel"}
+_OTHERS = {"pos", "quat", "principalpixel"}
+# what changes the meaning of a camera's words, or brings in other cameras
+_CHANGES = ("compiler", "default", "include", "frame", "replicate", "attach", "keyframe")
 
 
 def rig_xml(rig: StereoRig) -> str:
@@ -58,29 +70,107 @@ def rig_xml(rig: StereoRig) -> str:
 
 
 def parse_rig_xml(text: str) -> StereoRig:
-    """The rig in an MJCF text: the cameras called ``left`` and ``right``, in one body.
+    """The rig in the text of a rig.xml as `rig_xml` writes it: ``left`` and ``right``, in one body.
 
     Raises:
-        InvalidRig: no XML, a camera is missing, or it is given in words other than ``pos``, ``quat``,
-            ``resolution``, ``sensorsize``, ``focalpixel`` and ``principalpixel``.
+        InvalidRig: no XML, a camera is missing, or it is given in other words, as by a field of view.
     """
-    try:
-        root = ElementTree.fromstring(text)
-    except (ElementTree.ParseError, ValueError) as error:
-        raise InvalidRig(f"is not XML: {clipped(str(error))}") from None
-    owners = [
-        {str(camera.get("name")): camera for camera in parent.findall("camera")} for parent in root.iter()
-    ]
-    pair = next((owner for owner in owners if {"left", "right"} <= set(owner)), None)
+    pair = _plain_pair(xml_root(text))
     if pair is None:
-        found = ", ".join(name for owner in owners for name in owner) or "none"
-        raise InvalidRig(
-            f"cameras left and right in one body: missing (found {clipped(found)}); name them so"
-        )
+        raise InvalidRig("cameras left and right in one body: missing; name them so")
     (left, body_from_left), (right, body_from_right) = (
-        _camera(pair[side], f"camera {side}") for side in ("left", "right")
+        _camera(camera, f"camera {side}") for side, camera in zip(("left", "right"), pair, strict=True)
     )
     return StereoRig(left, right, body_from_right.inverse @ body_from_left)
+
+
+def _open(group: tuple[File, ...], asked: Asked) -> Found:
+    (file,) = group
+    pair = _plain_pair(xml_root(file.text))
+    if pair is not None and asked.cameras is None and asked.size_px is None:
+        return Found(parse_rig_xml(file.text))
+    return _compiled(file, asked)
+
+
+def _plain_pair(root: ElementTree.Element) -> tuple[ElementTree.Element, ElementTree.Element] | None:
+    """The cameras left and right of one body, as `rig_xml` writes them; None where they are written in other
+    words, or something else in the file can change what these mean."""
+    if any(next(root.iter(tag), None) is not None for tag in _CHANGES):
+        return None
+    for parent in root.iter():
+        own = {str(camera.get("name")): camera for camera in parent.findall("camera")}
+        if {"left", "right"} <= set(own):
+            pair = own["left"], own["right"]
+            return pair if all(_is_plain(camera) for camera in pair) else None
+    return None
+
+
+def _is_plain(camera: ElementTree.Element) -> bool:
+    return _NEEDED <= set(camera.attrib) <= _NEEDED | _OTHERS
+
+
+def _compiled(file: File, asked: Asked) -> Found:
+    """The rig of two cameras of any scene, compiled by MuJoCo."""
+    from rigsim.sim.scenes.cameras import SceneCamera, read_scene_cameras
+
+    with _on_disk(file) as path:
+        try:
+            scene = read_scene_cameras(path)
+        except InvalidScene as error:
+            raise InvalidRig(str(error).removeprefix(f"{path}: ")) from None
+    names = [camera.name for camera in scene.cameras]
+    left, right = (scene.cameras[i] for i in _two(names, asked))
+    remarks: list[Remark] = []
+
+    def lens(camera: SceneCamera) -> Intrinsics:
+        size = camera.size_px or asked.size_px or scene.offscreen_px
+        if camera.size_px is None and asked.size_px is None and not remarks:
+            text = (
+                f"camera {camera.name} has no resolution: {size[0]}x{size[1]} assumed, as its scene is drawn"
+                " off screen; give the true one as --rig-size WxH"
+            )
+            remarks.append(Remark("no_size", text))
+        return camera.intrinsics(*size)
+
+    rig = StereoRig(lens(left), lens(right), right.world_from_camera.inverse @ left.world_from_camera)
+    if left.body != right.body:
+        text = (
+            f"cameras {left.name} and {right.name} sit on bodies that move against each other: taken where"
+            " they are at the scene's first keyframe, or its reference pose"
+        )
+        remarks.append(Remark("moves", text))
+    return Found(rig, remarks=tuple(remarks))
+
+
+@contextlib.contextmanager
+def _on_disk(file: File) -> Iterator[Path]:
+    """The file where MuJoCo can read it, its neighbours beside it."""
+    if file.path.is_file():
+        yield file.path
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, FILE_NAME)
+        path.write_text(file.text, encoding="utf-8")
+        yield path
+
+
+def _two(names: Sequence[str], asked: Asked) -> tuple[int, int]:
+    """Which of the cameras are left and right: as asked for, as called, or the only two."""
+    have = clipped(", ".join(name or f"number {i}" for i, name in enumerate(names)) or "none")
+    way = "choose two, as --rig-cameras left,right"
+    if asked.cameras is not None:
+        for name in asked.cameras:
+            if name not in names:
+                raise InvalidRig(f"camera {shown(name)}: must be one of {have}")
+        return names.index(asked.cameras[0]), names.index(asked.cameras[1])
+    sides = [[i for i, name in enumerate(names) if side in name.lower()] for side in ("left", "right")]
+    if {"left", "right"} <= set(names):
+        return names.index("left"), names.index("right")
+    if len(sides[0]) == len(sides[1]) == 1 and sides[0] != sides[1]:
+        return sides[0][0], sides[1][0]
+    if len(names) == 2 and not sides[0] and not sides[1]:
+        return 0, 1
+    raise InvalidRig(f"{len(names)} camera(s), {have}: {way if len(names) > 1 else 'a rig needs two'}")
 
 
 def _camera_text(camera: Intrinsics, name: str, body_from_camera: Pose) -> str:
@@ -99,9 +189,6 @@ def _words(*values: float) -> str:
 
 def _camera(element: ElementTree.Element, name: str) -> tuple[Intrinsics, Pose]:
     """The camera, and its pose in its body, OpenCV axes."""
-    for turn in _TURNS:
-        if turn in element.attrib:
-            raise InvalidRig(f"{name}: {turn} is not read, write quat")
 
     def values(key: str, count: int, default: str | None = None) -> Array:
         text = element.get(key, default)
@@ -131,11 +218,11 @@ def _camera(element: ElementTree.Element, name: str) -> tuple[Intrinsics, Pose]:
 
 FORMAT = Format(
     "mjcf",
-    "MuJoCo's scene file with two cameras in one body",
+    "MuJoCo's scene file with two cameras",
     (".xml",),
     FILE_NAME,
-    knows=lambda text: text.lstrip().startswith("<"),
-    parse=parse_rig_xml,
+    groups=alone(lambda text: "<mujoco" in text),
+    open=_open,
     write=lambda rig: {FILE_NAME: rig_xml(rig)},
     drawn_up=True,
 )

@@ -13,20 +13,23 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from rigsim.errors import InvalidRig
-from rigsim.interop.formats.format import Format
-from rigsim.interop.formats.opencv_yaml import coefficients
+from rigsim.interop.formats.format import Asked, File, Format, Found, alone
+from rigsim.interop.formats.tables.json_text import json_table
+from rigsim.interop.formats.tables.terms import opencv_lens
 from rigsim.interop.formats.values import (
     clipped,
     matrix,
     member,
     number,
-    opencv_distortion,
     pixels,
     rotation,
     shown,
 )
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.lens.distortion import brown_of
+from rigsim.rig.lens.kannala_brandt import KannalaBrandt
+from rigsim.rig.lens.lens import Lens
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.axes import CV_FROM_GL
@@ -37,6 +40,8 @@ _HALF = 0.5
 _STILL = 0.01  # of the baseline: more than what poses from pictures are off by
 _TERMS = ("k1", "k2", "p1", "p2", "k3")
 _MODELS = ("OPENCV", "PINHOLE", "SIMPLE_PINHOLE")
+_FISHEYE = "OPENCV_FISHEYE"
+_UNIT = "length_unit"  # none of Nerfstudio's words: how rigsim's own file says that it has a scale
 
 
 def transforms_json(
@@ -55,39 +60,45 @@ def transforms_json(
     for pose, (name_left, name_right) in zip(left_from_world, names, strict=True):
         frames.append(_frame(rig.left, pose, name_left))
         frames.append(_frame(rig.right, rig.right_from_left @ pose, name_right))
-    return json.dumps({"camera_model": "OPENCV", "frames": frames}, indent=1) + "\n"
+    fisheyes = [isinstance(camera.lens, KannalaBrandt) for camera in (rig.left, rig.right)]
+    if fisheyes[0] != fisheyes[1]:
+        raise InvalidRig(
+            "one lens is a fisheye and the other one none: Nerfstudio has one model for all frames"
+        )
+    model = _FISHEYE if all(fisheyes) else "OPENCV"
+    return json.dumps({"camera_model": model, _UNIT: "m", "frames": frames}, indent=1) + "\n"
 
 
-def parse_transforms(text: str) -> StereoRig:
+def parse_transforms(text: str, cameras: tuple[str, str] | None = None) -> StereoRig:
     """The rig in the text of a transforms.json.
 
-    The pair is the first frame whose path has ``left`` in it and the first with ``right``. Frames without
-    such names are poses of one camera that moves; sides that move against each other are no rig either.
+    The pair is the first frame whose path has ``left`` in it and the first with ``right``, or those with the
+    two words of `cameras`. Frames without such names are poses of one camera that moves; sides that move
+    against each other are no rig either.
 
     Raises:
         InvalidRig: no JSON, fewer than two frames, no rig, another camera model, or values cannot be.
     """
-    try:
-        document = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise InvalidRig(f"is not JSON: {clipped(str(error))}") from None
+    document = json_table(text)
     frames = member(document, "frames")
     if not isinstance(frames, list) or len(frames) < 2:
         found = len(frames) if isinstance(frames, list) else shown(frames)
         raise InvalidRig(f"frames {found}: must be a list of two or more, left and right")
+    words = cameras or ("left", "right")
     sides = [
         [i for i, frame in enumerate(frames) if side in str(member(frame, "file_path", f"frame {i}"))]
-        for side in ("left", "right")
+        for side in words
     ]
     if not (sides[0] and sides[1]):
         raise InvalidRig(
-            f"{len(frames)} frames, none called left and right: poses of one camera that moves are no rig;"
-            " put left and right into the file_path of the two cameras' frames"
+            f"{len(frames)} frames, none called {words[0]} and {words[1]}: poses of one camera that moves are"
+            " no rig, and have no scale; put left and right into the file_path of the two cameras' frames, or"
+            " choose words that are there, as --rig-cameras cam0,cam1"
         )
-    cameras = [_camera(document, frames[side[0]], f"frame {side[0]}") for side in sides]
+    left, right = (_camera(document, frames[side[0]], f"frame {side[0]}") for side in sides)
     pairs = [
-        _world_from_camera(frames[right], right).inverse @ _world_from_camera(frames[left], left)
-        for left, right in zip(*sides, strict=False)
+        _world_from_camera(frames[j], j).inverse @ _world_from_camera(frames[i], i)
+        for i, j in zip(*sides, strict=False)
     ]
     for pose in pairs[1:]:
         if not np.allclose(pose.t, pairs[0].t, atol=_STILL * float(np.linalg.norm(pairs[0].t))):
@@ -95,7 +106,7 @@ def parse_transforms(text: str) -> StereoRig:
                 "the right camera moves against the left one (seen from it, the left one is at"
                 f" {_place(pairs[0])} in the first pair, at {_place(pose)} in another): no rig"
             )
-    return StereoRig(cameras[0], cameras[1], pairs[0])
+    return StereoRig(left, right, pairs[0])
 
 
 def _place(pose: Pose) -> str:
@@ -120,29 +131,32 @@ def _frame(camera: Intrinsics, camera_from_world: Pose, name: str) -> dict[str, 
         "fl_y": camera.fy,
         "cx": camera.cx + _HALF,
         "cy": camera.cy + _HALF,
-        **dict(zip(_TERMS, coefficients(camera).tolist(), strict=True)),
+        **_terms(camera),
         "transform_matrix": (T + 0.0).tolist(),  # -0.0 is 0
     }
+
+
+def _terms(camera: Intrinsics) -> dict[str, float]:
+    """A camera's lens; that of a frame names the model, as the two may have different ones.
+
+    Raises:
+        InvalidRig: Nerfstudio has no such lens.
+    """
+    if isinstance(camera.lens, KannalaBrandt):
+        return {name: float(getattr(camera.lens, name)) for name in camera.lens.names()}
+    brown = brown_of(camera.lens, "Nerfstudio, beside fisheyes,")
+    return {name: float(getattr(brown, name)) for name in _TERMS}
 
 
 def _camera(document: Mapping[str, object], frame: object, name: str) -> Intrinsics:
     """A frame's camera; what it does not say, the document says for all frames."""
     table = {**document, **frame} if isinstance(frame, Mapping) else frame
-    model = "OPENCV"
-    if isinstance(table, Mapping):
-        model = str(table.get("camera_model", "OPENCV"))
-        if table.get("k4", 0.0) != 0:
-            raise InvalidRig(f"k4 of {name} {shown(table['k4'])}: must be 0, rigsim's lens has no k4")
-    if model not in _MODELS:
-        raise InvalidRig(f"camera_model {clipped(model)}: must be one of {', '.join(_MODELS)}")
 
-    def value(key: str) -> float:
+    def value(key: str, default: float | None = None) -> float:
+        if default is not None and isinstance(table, Mapping) and key not in table:
+            return default
         return number(member(table, key, name), f"{key} of {name}")
 
-    terms = [
-        number(table[key], f"{key} of {name}") if isinstance(table, Mapping) and key in table else 0.0
-        for key in _TERMS
-    ]
     return Intrinsics(
         pixels(member(table, "w", name), f"w of {name}"),
         pixels(member(table, "h", name), f"h of {name}"),
@@ -150,8 +164,25 @@ def _camera(document: Mapping[str, object], frame: object, name: str) -> Intrins
         value("fl_y"),
         value("cx") - _HALF,
         value("cy") - _HALF,
-        opencv_distortion(np.array(terms), name),
+        _lens(table, {key: value(key, 0.0) for key in (*_TERMS, "k4")}, name),
     )
+
+
+def _lens(table: object, terms: Mapping[str, float], name: str) -> Lens | None:
+    model = str(table.get("camera_model", "OPENCV")) if isinstance(table, Mapping) else "OPENCV"
+    if model == _FISHEYE or (isinstance(table, Mapping) and table.get("is_fisheye") is True):
+        return KannalaBrandt(*(terms[f"k{i}"] for i in range(1, 5)))
+    if model not in _MODELS:
+        raise InvalidRig(f"camera_model {clipped(model)}: must be one of {', '.join((*_MODELS, _FISHEYE))}")
+    if terms["k4"] != 0:
+        raise InvalidRig(f"k4 of {name} {terms['k4']:g}: must be 0, OpenCV's lens has no such k4")
+    return opencv_lens(np.array([terms[key] for key in _TERMS]), name)
+
+
+def _open(group: tuple[File, ...], asked: Asked) -> Found:
+    text = group[0].text
+    ours = json_table(text).get(_UNIT) == "m"
+    return Found(parse_transforms(text, asked.cameras), unit="m" if ours else None)
 
 
 FORMAT = Format(
@@ -159,7 +190,7 @@ FORMAT = Format(
     "Nerfstudio's frames",
     (".json",),
     FILE_NAME,
-    knows=lambda text: text.lstrip().startswith("{"),
-    parse=parse_transforms,
+    groups=alone(lambda text: text.lstrip().startswith("{") and '"transform_matrix"' in text),
+    open=_open,
     write=lambda rig: {FILE_NAME: transforms_json(rig)},
 )

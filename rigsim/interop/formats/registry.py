@@ -18,8 +18,13 @@ from rigsim.interop.formats import (
     ros,
 )
 from rigsim.interop.formats.format import Asked, File, Format, Found
+from rigsim.interop.formats.makers import matlab, oak, realsense, zed
 from rigsim.interop.formats.opencv import calibration as opencv
+from rigsim.interop.formats.photogrammetry import mrcal
+from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.export.approximate import nearest_rig
 
 
 def _by_name(format: Format) -> Format:
@@ -35,8 +40,8 @@ def _by_name(format: Format) -> Format:
                 return []
             others = (named[name] for name in format.names[1:] if name in named)
             return [(first, *others)]
-        own = (file for file in files if format.name != "mjcf" or "<mujoco" in file.text)
-        return [(file,) for file in own if format.knows(file.text)]
+        must = {"mjcf": "<mujoco", "nerfstudio": '"transform_matrix"'}.get(format.name, "")
+        return [(file,) for file in files if must in file.text and format.knows(file.text)]
 
     def opened(files: tuple[File, ...], asked: Asked) -> Found:
         if format.read is not None:
@@ -59,6 +64,11 @@ ALL: tuple[Format, ...] = tuple(
         colmap.FORMAT,
         mjcf.FORMAT,
         nerfstudio.FORMAT,
+        oak.FORMAT,
+        realsense.FORMAT,
+        zed.FORMAT,
+        matlab.FORMAT,
+        mrcal.FORMAT,
     )
 )
 """All that are read."""
@@ -85,8 +95,46 @@ def rig_files(rig: StereoRig, format: str) -> dict[str, bytes]:
         texts = RIG_FORMATS[format](rig)
     except InvalidRig as error:
         able = ", ".join(name for name in RIG_FORMATS if _holds(name, rig)) or OURS_ALONE
-        raise InvalidRig(f"format {format}: {error}; formats that hold this rig: {able}") from None
+        straight = StereoRig(replace(rig.left, lens=None), replace(rig.right, lens=None), rig.right_from_left)
+        or_fit = "; or fit its nearest lens with --approximate" if _holds(format, straight) else ""
+        raise InvalidRig(f"format {format}: {error}; formats that hold this rig: {able}{or_fit}") from None
     return {name: text.encode() for name, text in texts.items()}
+
+
+def approximate_files(rig: StereoRig, format: str) -> tuple[dict[str, bytes], tuple[Remark, ...]]:
+    """As `rig_files`, with the nearest lenses that the format has where it lacks the rig's own.
+
+    The remarks tell how far the pixels are off.
+
+    Raises:
+        InvalidRange: there is no such format.
+        InvalidRig: the format cannot hold the rig, or has no lens that shows what the rig's do.
+    """
+    if format not in RIG_FORMATS or _holds(format, rig):
+        return rig_files(rig, format), ()
+    found = nearest_rig(rig, lambda other: _holds(format, other))
+    if found is None:
+        try:
+            rig_files(rig, format)
+        except InvalidRig as error:
+            why = str(error).partition("; or fit its nearest lens")[0]
+            raise InvalidRig(f"{why}; no lens that it has shows all that these do") from None
+    assert found is not None
+    fitted, both = found
+    remarks = tuple(
+        Remark(
+            "approximate",
+            f"the {side} lens, {_called(own)}, was fitted by {_called(fit.camera)}: off by"
+            f" {fit.rms_px:.2g} px rms over the image, {fit.largest_px:.2g} px at most",
+        )
+        for side, own, fit in zip(("left", "right"), (rig.left, rig.right), both, strict=True)
+        if fit.camera is not own
+    )
+    return rig_files(fitted, format), remarks
+
+
+def _called(camera: Intrinsics) -> str:
+    return "pinhole" if camera.lens is None else camera.lens.model
 
 
 def _holds(format: str, rig: StereoRig) -> bool:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import yaml
 
 from rigsim.errors import InvalidRig
-from rigsim.interop.formats.values import matrix, pixels
+from rigsim.interop.formats.values import pixels, shown
 
 if TYPE_CHECKING:
     from yaml import SafeLoader as Base
@@ -77,25 +77,38 @@ def _opencv_matrix(loader: yaml.SafeLoader, node: yaml.Node) -> object:
 
 
 def opencv_matrix(table: Mapping[Any, object], where: str) -> list[object]:
-    """The rows of one of OpenCV's matrices, given as ``rows``, ``cols`` and ``data``; none where it is empty.
+    """One of OpenCV's matrices: its rows, or a list where it has one axis, or several numbers a place.
+
+    Its values are as they stand there: they may be no numbers.
 
     Raises:
-        InvalidRig: one of the three is missing, or they contradict each other.
+        InvalidRig: it lacks its size or its data, or they contradict each other.
     """
+    data, sizes = table.get("data"), table.get("sizes")  # of any number of axes, or of rows and columns
+    if isinstance(sizes, list) and len(sizes) == 1:
+        table = {**table, "rows": sizes[0], "cols": 1}
+    elif isinstance(sizes, list) and len(sizes) == 2:
+        table = {**table, "rows": sizes[0], "cols": sizes[1]}
+    elif isinstance(sizes, list):
+        return []
     for key in ("rows", "cols", "data"):
         if key not in table:
             raise InvalidRig(f"{where}: {key} is missing: an opencv-matrix has rows, cols and data")
-    rows, columns = table["rows"], table["cols"]
-    if 0 in (rows, columns):
+    if 0 in (table["rows"], table["cols"]):
         return []
-    values = matrix(table["data"], where, pixels(rows, f"{where}, rows"), pixels(columns, f"{where}, cols"))
-    found: list[object] = values.tolist()
-    return found
+    rows, columns = pixels(table["rows"], f"{where}, rows"), pixels(table["cols"], f"{where}, cols")
+    if not isinstance(data, list):
+        raise InvalidRig(f"{where}, data {shown(data)}: must be a list of {rows * columns}")
+    if (isinstance(sizes, list) and len(sizes) == 1) or str(table.get("dt", "d"))[:1] in "23456789":
+        return list(data)
+    if len(data) != rows * columns:
+        raise InvalidRig(f"{where}: holds {len(data)} values, must be {rows * columns}")
+    return [data[start : start + columns] for start in range(0, len(data), columns)]
 
 
 def _opencv_other(loader: yaml.SafeLoader, suffix: str, node: yaml.Node) -> object:
-    """Key points and arrays of more than two axes: no calibration needs them."""
-    return None
+    """Arrays of any number of axes; of anything else, no calibration needs it."""
+    return _opencv_matrix(loader, node) if suffix == "nd-matrix" else None
 
 
 _Loader.add_constructor("tag:yaml.org,2002:map", _map)

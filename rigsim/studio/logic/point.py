@@ -30,7 +30,7 @@ EXAMPLES: Mapping[str, State] = MappingProxyType(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Found:
+class FoundPoint:
     """The answer, or why there is none."""
 
     shown: Shown | None
@@ -51,7 +51,7 @@ class Found:
         return {} if self.answer is None else {fact.key: fact for fact in self.answer.facts}
 
 
-def find(state: State) -> Found:
+def find(state: State) -> FoundPoint:
     """The point that the words say."""
     shown = None
     try:
@@ -59,9 +59,9 @@ def find(state: State) -> Found:
         uv_right = quantity.point(_said(state["right"], "x2, y2"), "right position")
         shown = shown_rig(state)
         assumed = Assumed(shown.noise, sized=shown.sized, from_axis=shown.from_axis, odd=shown.remarks)
-        return Found(shown, calc_point(shown.rig, uv_left, uv_right, assumed), "")
+        return FoundPoint(shown, calc_point(shown.rig, uv_left, uv_right, assumed), "")
     except RigsimError as error:
-        return Found(shown, None, plain(str(error)))
+        return FoundPoint(shown, None, plain(str(error)))
 
 
 def summary(state: State) -> str:

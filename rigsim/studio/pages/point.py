@@ -115,7 +115,7 @@ def _answer(session: Session) -> None:
     session.watch(refresh)
 
 
-def _picture(found: point.Found) -> str:
+def _picture(found: point.FoundPoint) -> str:
     if found.shown is None:
         return ""
     at = []

@@ -131,7 +131,7 @@ def _lens_remarks(of: str, camera: Intrinsics, sized: bool) -> Iterator[Remark]:
                 "--pixel-pitch or --sensor-width",
             )
         return
-    if camera.hfov_deg > WIDEST_DEG:
+    if camera.lens is None and camera.hfov_deg > WIDEST_DEG:
         yield Remark(
             "focal",
             f"focal length {camera.fx:g} px makes an image of {camera.width} px {camera.hfov_deg:.1f} deg "

@@ -24,7 +24,7 @@ from rigsim.study.scene.plan import Triangulator
 from rigsim.study.sweep.fit import Fit, fits, rig_differences
 from rigsim.study.sweep.symptoms import (
     TRIALS,
-    Asked,
+    AskedPoints,
     ask,
     flat,
     scatter,
@@ -82,7 +82,7 @@ def find_fault(
         return fault or scatter(asked, noise)
 
 
-def _own(asked: Asked, found: Array) -> Fault | None:
+def _own(asked: AskedPoints, found: Array) -> Fault | None:
     """What the triangulator itself gets wrong, whatever the rig."""
     size = asked.size(found)
     answered = np.asarray(np.isfinite(found).all(axis=1))
@@ -98,7 +98,7 @@ def _own(asked: Asked, found: Array) -> Fault | None:
     return _systematic(asked, found, off & answered)
 
 
-def _random(asked: Asked) -> Fault | None:
+def _random(asked: AskedPoints) -> Fault | None:
     """Of a triangulator that answers the same question differently each time."""
     found = np.stack([asked.answer(asked.rig) for _ in range(TRIALS)])
     lost = float((~np.isfinite(found).all(axis=2)).mean())
@@ -111,7 +111,7 @@ def _random(asked: Asked) -> Fault | None:
     return _named(asked, mean)
 
 
-def _lost(asked: Asked, found: Array, lost: float) -> Fault:
+def _lost(asked: AskedPoints, found: Array, lost: float) -> Fault:
     told = _verified(asked, found)
     whole = [one for one in told if not one.mistake.endswith(_WHERE_ONLY) and one.explained >= _CONVINCING]
     if whole and lost > 1 / 2:
@@ -122,7 +122,7 @@ def _lost(asked: Asked, found: Array, lost: float) -> Fault:
     return Fault("lost-points", saying("lost-points: which", share=lost, which=_as_verify(where)))
 
 
-def _systematic(asked: Asked, found: Array, off: Mask) -> Fault:
+def _systematic(asked: AskedPoints, found: Array, off: Mask) -> Fault:
     """The mistake that leads to what was found; `off` says which rows are wrong."""
     same = flat(found)
     if same is not None:
@@ -139,7 +139,7 @@ def _systematic(asked: Asked, found: Array, off: Mask) -> Fault:
     )
 
 
-def _named(asked: Asked, found: Array) -> Fault:
+def _named(asked: AskedPoints, found: Array) -> Fault:
     """The known mistake that explains what was found, or that none does."""
     answered = np.asarray(np.isfinite(found).all(axis=1))
     tried = _fits(asked[answered], found[answered]) if answered.sum() >= _FEW else []
@@ -176,7 +176,7 @@ def _linear(explained: float) -> float:
     return 1 - math.sqrt(max(1 - explained, 0.0))
 
 
-def _fits(asked: Asked, found: Array) -> list[Fit]:
+def _fits(asked: AskedPoints, found: Array) -> list[Fit]:
     return fits(asked.rig, asked.points_left, found, asked.whitening)
 
 
@@ -198,7 +198,7 @@ def _fitted(tried: Sequence[Fit], best: float) -> Fault:
     )
 
 
-def _verified(asked: Asked, found: Array) -> tuple[Diagnosis, ...]:
+def _verified(asked: AskedPoints, found: Array) -> tuple[Diagnosis, ...]:
     """What `rigsim verify` makes of the answers."""
     uv_left, uv_right = asked.rig.project(asked.points_left)
     case = Case("sweep", "sweep", "exact", saying("sweep"), asked.rig, uv_left, uv_right, asked.points_left)
@@ -211,7 +211,7 @@ def _as_verify(found: Diagnosis) -> Saying:
     return saying("as-verify", mistake=found.said)
 
 
-def _of_rigs(asked: Asked, true_rig: StereoRig) -> Fault | None:
+def _of_rigs(asked: AskedPoints, true_rig: StereoRig) -> Fault | None:
     """How the true rig differs from the assumed one, as the errors show it."""
     found = asked.answer(true_rig)
     answered = np.asarray(np.isfinite(found).all(axis=1))

@@ -32,7 +32,7 @@ _IMPURE = 0.03
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Asked:
+class AskedPoints:
     """Some points, and how errors of their views are weighed."""
 
     rig: StereoRig
@@ -44,9 +44,9 @@ class Asked:
     method: Triangulator
     """What is asked."""
 
-    def __getitem__(self, rows: Mask) -> Asked:
+    def __getitem__(self, rows: Mask) -> AskedPoints:
         """Some of the points."""
-        return Asked(self.rig, self.points_left[rows], self.whitening[rows], self.method)
+        return AskedPoints(self.rig, self.points_left[rows], self.whitening[rows], self.method)
 
     def answer(self, rig: StereoRig) -> Array:
         """What the triangulator makes of the pixels that `rig` sees, without noise."""
@@ -58,7 +58,7 @@ class Asked:
         return np.asarray(np.linalg.norm(np.einsum("nij,nj->ni", self.whitening, error), axis=1))
 
 
-def ask(rig: StereoRig, points_left: Array, noise: PixelNoise, method: Triangulator) -> Asked:
+def ask(rig: StereoRig, points_left: Array, noise: PixelNoise, method: Triangulator) -> AskedPoints:
     """At most `_MOST_POINTS` of the points (N, 3) m, in the order they have."""
     uv = np.hstack(rig.project(points_left))
     points = points_left[np.isfinite(uv).all(axis=1)]
@@ -76,7 +76,7 @@ def ask(rig: StereoRig, points_left: Array, noise: PixelNoise, method: Triangula
     covariance = to_views @ predict_covariance(rig, points, weighed) @ to_views.transpose(0, 2, 1)
     known = np.isfinite(covariance).all(axis=(1, 2))
     whitening = np.linalg.inv(np.linalg.cholesky(covariance[known]))
-    return Asked(rig, points[known], whitening, method)
+    return AskedPoints(rig, points[known], whitening, method)
 
 
 def flat(found: Array) -> Fault | None:
@@ -89,7 +89,7 @@ def flat(found: Array) -> Fault | None:
     return Fault("constant-coordinates", saying("constant-coordinates", axes=tuple(same), zero=zero))
 
 
-def without_disparity(asked: Asked, found: Array) -> Fault | None:
+def without_disparity(asked: AskedPoints, found: Array) -> Fault | None:
     """Of answers at infinity: whether the depth follows the rows instead of the columns."""
     inverse = views(found)[:, 0] / views(asked.points_left)[:, 0]
     if not np.nanmedian(np.where(np.isfinite(inverse), np.abs(inverse), 0.0)) < _AT_INFINITY:
@@ -109,7 +109,7 @@ def without_disparity(asked: Asked, found: Array) -> Fault | None:
     return Fault("no-disparity", saying("no-disparity"))
 
 
-def where(asked: Asked, off: Mask) -> Saying | None:
+def where(asked: AskedPoints, off: Mask) -> Saying | None:
     """In which part of the image or of the depth the wrong rows lie; None when in none."""
     uv_left, _ = asked.rig.project(asked.points_left)
     lens = asked.rig.left
@@ -132,7 +132,7 @@ def where(asked: Asked, off: Mask) -> Saying | None:
     return min(told, key=lambda one: one[:2])[2] if told else None
 
 
-def scatter(asked: Asked, noise: PixelNoise) -> Fault | None:
+def scatter(asked: AskedPoints, noise: PixelNoise) -> Fault | None:
     """Whether the errors under noise are as wide as the noise makes them, and whether points are lost."""
     if not noise.std_px:
         return None

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from rigsim.rig.arrays import Array
+from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.lens import ahead
 from rigsim.rig.stereo import StereoRig
@@ -37,6 +37,8 @@ def triangulate_dlt(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
             equations = np.concatenate([rows_left[which] @ P_left, rows_right[which] @ P_right], axis=1)
             X = np.linalg.svd(equations)[2][:, 3]
             points[which] = X[:, :3] / X[:, 3:]
+        points[_against(rig.left, uv_left, points)] = np.nan
+        points[_against(rig.right, uv_right, rig.right_from_left.apply(points))] = np.nan
         return in_front(rig, points)
 
 
@@ -61,6 +63,13 @@ def in_front(rig: StereoRig, points_left: Array) -> Array:
     near = np.abs(points_left).max(axis=1, initial=0.0) < _FARTHEST * rig.baseline_m
     good = rig.left.faces(points_left) & rig.right.faces(rig.right_from_left.apply(points_left)) & near
     return np.where(good[:, None], points_left, np.nan)
+
+
+def _against(camera: Intrinsics, uv: Array, points: Array) -> Mask:
+    """Which points (N, 3) a lens that shows both ways saw the other way."""
+    if not camera.is_wide:
+        return np.zeros(len(points), dtype=np.bool_)
+    return np.asarray(np.einsum("ni,ni->n", camera.ray(uv), points) <= 0)
 
 
 def _projection(camera: Intrinsics, R: Array, t: Array) -> Array:

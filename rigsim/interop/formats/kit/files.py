@@ -36,6 +36,7 @@ _MAGIC = (
     (b"\x89HDF", "an HDF5 file"),
     (b"#ROSBAG", "a ROS bag"),
 )
+_GAP = "\n" * 50
 _KEY = re.compile(r"^[ \t]*\"?([A-Za-z][\w. ]{0,40})\"?[ \t]*([:=])", re.MULTILINE)
 
 
@@ -104,7 +105,19 @@ def _text(content: bytes) -> str:
             if any(content.startswith(magic) for magic, _ in _MAGIC):
                 return ""
             text = content.decode("latin-1")
-    return text.replace("\r\n", "\n").replace("\r", "\n")
+    return _closed_up(text.replace("\r\n", "\n").replace("\r", "\n"))
+
+
+def _closed_up(text: str) -> str:
+    """The text without the rest of very long gaps, in which a search for a line's beginning would get lost."""
+    if _GAP not in text.replace(" ", "").replace("\t", ""):
+        return text
+    lines, blank = [], 0
+    for line in text.split("\n"):
+        blank = 0 if line.strip() else blank + 1
+        if blank <= len(_GAP):
+            lines.append(line)
+    return "\n".join(lines)
 
 
 def _json(text: str) -> str:

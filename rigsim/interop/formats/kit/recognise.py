@@ -56,7 +56,8 @@ def candidates(files: Sequence[File]) -> list[Candidate]:
             made += [Candidate(format, tuple(group)) for group in format.groups(files)]
         except InvalidRig:  # a neighbour that cannot be read is nobody's
             continue
-    return made
+    taken = {path for one in made if not one.format.late for path in one.paths}
+    return [one for one in made if not (one.format.late and one.paths & taken)]
 
 
 def with_all(made: Iterable[Candidate], files: Sequence[File]) -> list[Candidate]:

@@ -15,7 +15,7 @@ import numpy as np
 from rigsim.errors import InvalidRig
 from rigsim.interop.formats.format import Asked, File, Format, Found, names_sides, swapped
 from rigsim.interop.formats.opencv.filestorage import is_storage, storage_table
-from rigsim.interop.formats.opencv.names import Facts, facts_of, side_of_file
+from rigsim.interop.formats.opencv.names import Facts, facts_of, sides_of_files
 from rigsim.interop.formats.opencv.rig import camera_matrix, rig_of
 from rigsim.interop.formats.opencv_yaml import FILE_NAME, IN_METRES, opencv_yaml
 from rigsim.rig.stereo import StereoRig
@@ -41,6 +41,8 @@ class _Part:
 
     file: File
     facts: Facts
+    side: str = ""
+    """The camera that it is of, where it is of one."""
 
     @property
     def is_whole(self) -> bool:
@@ -53,17 +55,13 @@ class _Part:
         return self.facts.has("T") and (self.facts.has("R") or self.facts.has("rvec"))
 
     @property
-    def side(self) -> str:
-        """The camera that it is of, where it is of one."""
-        if self.facts.has_cameras or self._is_camera_info:
-            return ""
-        for side in _SIDES:
-            if self.facts.has_camera(side):
-                return side
-        return side_of_file(self.file.path) if self.facts.has_camera() else ""
+    def is_of_one(self) -> bool:
+        """Whether it is of one camera, and does not say which."""
+        sided = any(self.facts.has_camera(side) for side in _SIDES)
+        return self.facts.has_camera() and not sided and not self.is_camera_info
 
     @property
-    def _is_camera_info(self) -> bool:
+    def is_camera_info(self) -> bool:
         """Whether it is ROS's, whose pose stands elsewhere."""
         return self.facts.has("rect") and self.facts.has("P")
 
@@ -116,13 +114,15 @@ def lacks(file: File) -> str | None:
 
 
 def _open(files: tuple[File, ...], asked: Asked) -> Found:
-    *others, last = files
-    facts = facts_of(last.text)
-    if others and facts.has_camera() and not facts.has_cameras:
-        facts = facts.of_side(side_of_file(last.path))
-    for file in others:
-        own = facts_of(file.text)
-        facts = facts.with_(own.of_side(side_of_file(file.path)) if own.has_camera() else own)
+    if len(files) == 1:
+        facts = facts_of(files[0].text)
+    else:
+        facts, *others = (
+            part.facts.of_side(part.side) if part.is_of_one else part.facts
+            for part in reversed(list(_parts(files)))
+        )
+        for other in others:
+            facts = facts.with_(other)
     found = rig_of(facts, asked)
     if found.unit is None and any(IN_METRES in file.text for file in files):
         found = replace(found, unit="m")
@@ -131,6 +131,14 @@ def _open(files: tuple[File, ...], asked: Asked) -> Found:
 
 def _parts(files: Sequence[File]) -> Iterator[_Part]:
     """The files that say something of a camera, or of the way between two."""
+    parts = list(_unsided(files))
+    sides = sides_of_files([part.file.path for part in parts if part.is_of_one])
+    for part in parts:
+        own = [side for side in _SIDES if part.facts.has_camera(side)]
+        yield replace(part, side=own[0] if len(own) == 1 else sides.get(part.file.path, ""))
+
+
+def _unsided(files: Sequence[File]) -> Iterator[_Part]:
     for file in files:
         if not is_storage(file.text):
             continue
@@ -176,5 +184,6 @@ FORMAT = Format(
     groups=groups,
     open=_open,
     lacks=lacks,
+    late=True,
     write=lambda rig: {FILE_NAME: opencv_yaml(rig)},
 )

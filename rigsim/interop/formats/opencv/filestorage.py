@@ -81,6 +81,9 @@ def _value(element: ElementTree.Element, depth: int) -> object:
     if "matrix" in (element.get("type_id") or "") and "data" in table:
         data = table["data"]
         table["data"] = data if isinstance(data, list) else [] if data == "" else [data]
+        sizes = table.get("sizes")
+        if sizes is not None and not isinstance(sizes, list):
+            table["sizes"] = [sizes]
         return opencv_matrix(dict(table), element.tag)
     return table
 

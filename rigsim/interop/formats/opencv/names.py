@@ -131,11 +131,12 @@ def facts_of(text: str) -> Facts:
     return Facts(MappingProxyType(found), fisheye)
 
 
-def side_of_file(path: Path) -> str:
-    """Which camera a file's name tells of: ``left``, ``right``, or empty."""
-    words = [word.lower() for word in _WORDS.findall(path.stem)]
-    found = _split(words)
-    return (_side(found[1], zero_based="0" in found[1]) or "") if found else ""
+def sides_of_files(paths: Sequence[Path]) -> dict[Path, str]:
+    """Which camera each file's name tells of: ``left``, ``right``, or empty."""
+    found = {path: _split([word.lower() for word in _WORDS.findall(path.stem)]) for path in paths}
+    words = {path: split[1] if split else [] for path, split in found.items()}
+    zero_based = any("0" in own for own in words.values())
+    return {path: _side(own, zero_based) or "" for path, own in words.items()}
 
 
 def _flat(table: Mapping[str, object], path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], object]]:
@@ -143,7 +144,7 @@ def _flat(table: Mapping[str, object], path: tuple[str, ...]) -> Iterator[tuple[
     for name, value in table.items():
         own = (*path, str(name))
         if isinstance(value, Mapping):
-            if {"rows", "cols", "data"} <= set(value):
+            if "data" in value and ({"rows", "cols"} <= set(value) or "sizes" in value):
                 yield own, opencv_matrix(dict(value), ".".join(own))
             else:
                 yield from _flat(value, own)
@@ -166,7 +167,7 @@ def _words(path: tuple[str, ...], value: object) -> tuple[str | None, list[str]]
         plain.remove(terms[-1])
         found = _split([word.lower() for text in plain for word in _WORDS.findall(text)])
         return terms[-1].lower(), [] if found is None else found[1]
-    found = _split([word.lower() for text in plain for word in _WORDS.findall(text)])
+    found = _split([word.lower() for text in plain for word in _WORDS.findall(text)], of_matrix=True)
     if found is None:
         return None, []
     rest, sides = found
@@ -178,7 +179,7 @@ def _words(path: tuple[str, ...], value: object) -> tuple[str | None, list[str]]
     return role, sides
 
 
-def _split(words: list[str]) -> tuple[list[str], list[str]] | None:
+def _split(words: list[str], *, of_matrix: bool = False) -> tuple[list[str], list[str]] | None:
     """The words that tell what it is, and those that tell which camera; None for a pose of the left camera in
     the right one's frame, the wrong way round for a rig."""
     if len(words) == 1 and _ONE_LETTER_EACH.fullmatch(words[0]):
@@ -195,11 +196,10 @@ def _split(words: list[str]) -> tuple[list[str], list[str]] | None:
             rest = list(words)
             rest.remove(own)
             return rest, [own]
-    if len(words) > 1:
-        for place in (-1, 0):
-            if words[place] in ("l", "r"):
-                rest = list(words)
-                return rest, [rest.pop(place)]
+    for place in reversed(range(len(words))):
+        rest = [word for i, word in enumerate(words) if i != place]
+        if words[place] in ("l", "r") and (not of_matrix or _role(rest) is not None):
+            return rest, [words[place]]
     return words, []
 
 

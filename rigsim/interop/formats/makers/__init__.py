@@ -1,0 +1,1 @@
+"""Calibrations as the makers of cameras and of their tools write them."""

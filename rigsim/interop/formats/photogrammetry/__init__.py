@@ -1,0 +1,1 @@
+"""Calibrations of programs that reconstruct scenes from pictures."""

@@ -1,0 +1,1 @@
+"""Rigs made fit for other programs."""
