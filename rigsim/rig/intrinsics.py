@@ -125,7 +125,8 @@ class Intrinsics:
             return math.degrees(
                 math.atan((self.cx + 0.5) / self.fx) + math.atan((self.width - 0.5 - self.cx) / self.fx)
             )
-        return self._shown_deg(0, -0.5, self.width - 0.5)
+        first, last = self.edge_angles_deg(0)
+        return last - first
 
     @property
     def vfov_deg(self) -> float:
@@ -134,13 +135,15 @@ class Intrinsics:
             return math.degrees(
                 math.atan((self.cy + 0.5) / self.fy) + math.atan((self.height - 0.5 - self.cy) / self.fy)
             )
-        return self._shown_deg(1, -0.5, self.height - 0.5)
+        first, last = self.edge_angles_deg(1)
+        return last - first
 
-    def _shown_deg(self, axis: int, first_px: float, last_px: float) -> float:
-        """Angle, deg, between the outermost rays along u (0) or v (1) through the principal point."""
+    def edge_angles_deg(self, axis: int) -> tuple[float, float]:
+        """Angles off the axis, deg, of the outermost rays that are shown in the principal point's row (0) or
+        column (1): the first is below 0."""
         center = np.array([self.cx, self.cy])
         ends = np.array([center, center])
-        ends[:, axis] = first_px, last_px
+        ends[:, axis] = -0.5, (self.width, self.height)[axis] - 0.5
         # towards the principal point until the lens shows something: a fisheye's circle may end in the image
         shown, hidden = np.zeros(2), np.ones(2)
         for step in range(_HALVINGS):
@@ -151,8 +154,8 @@ class Intrinsics:
             if step == 0 and seen.all():
                 break
         rays = self.ray(center + shown[:, None] * (ends - center))
-        angles = np.degrees(np.arctan2(rays[:, axis], rays[:, 2]))
-        return float(angles[1] - angles[0])
+        first, last = np.degrees(np.arctan2(rays[:, axis], rays[:, 2]))
+        return float(first), float(last)
 
     def project(self, points_camera: npt.ArrayLike) -> Array:
         """Project points (..., 3) m in the camera's frame to uv (..., 2) px.

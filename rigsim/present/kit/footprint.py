@@ -17,6 +17,7 @@ from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 
 _FAR_BASELINES = 1e5
+_WIDEST_DEG = 89.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +99,9 @@ def _view(lens: Intrinsics, rig_from_camera: Pose) -> CameraView:
     across = rays[:, 0] * axis[1] - rays[:, 2] * axis[0]
     along = rays[:, 0] * axis[0] + rays[:, 2] * axis[1]
     angle = np.arctan2(across, along)
+    if lens.is_wide:
+        # a wedge is less than a half plane
+        angle = np.radians(np.clip(lens.edge_angles_deg(0), -_WIDEST_DEG, _WIDEST_DEG))
     return CameraView(rig_from_camera.t[[0, 2]], axis, _turned(axis, angle.min()), _turned(axis, angle.max()))
 
 
