@@ -5,6 +5,7 @@ A format is known by what its files say, never by the ending of their names.
 
 from __future__ import annotations
 
+import functools
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -152,6 +153,12 @@ def disparity_range(paths: Sequence[Path], grid: PixelGrid = AS_IT_IS) -> tuple[
 
 
 def _read(made: list[Candidate], said: RigReading, place: str) -> Reading:
+    return _read_once(tuple(made), said, place)
+
+
+@functools.lru_cache(maxsize=8)
+def _read_once(made: tuple[Candidate, ...], said: RigReading, place: str) -> Reading:
+    """One command reads a file several times, and what is odd about its lenses takes a while to find."""
     one, found = chosen(made, said.asked, place)
     try:
         return reading(found, one.format.name, said, one.files)

@@ -44,7 +44,6 @@ class Candidate:
         Raises:
             InvalidRig: it holds no rig that can be; the message does not name the files.
         """
-        assert self.format.open is not None, self.format.name
         return self.format.open(self.files, asked)
 
 
@@ -52,7 +51,6 @@ def candidates(files: Sequence[File]) -> list[Candidate]:
     """Every set of these files that makes a rig of a format."""
     made = []
     for format in registry.ALL:
-        assert format.groups is not None, format.name
         try:
             made += [Candidate(format, tuple(group)) for group in format.groups(files)]
         except InvalidRig:  # a neighbour that cannot be read is nobody's
