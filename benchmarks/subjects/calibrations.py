@@ -10,6 +10,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from benchmarks.subjects.fuzz_seeds import SEEDS
+from benchmarks.subjects.robot_calibrations import robots
 from rigsim.interop.formats.registry import RIG_FORMATS, rig_files
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.pose import Pose
@@ -86,6 +87,7 @@ def calibrations() -> dict[str, Mapping[str, bytes]]:
         made[name] = rig_files(_PLAIN if name in ("middlebury", "kitti") else _RIG, name)
     for name, texts in _opencv().items():
         made[f"opencv, {name}"] = {file: text.encode() for file, text in texts.items()}
+    made |= robots(_RIG)
     made["rig.toml"] = {"rig.toml": SEEDS["rig.toml"]}
     return made
 

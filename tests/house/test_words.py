@@ -53,6 +53,7 @@ REASONS = (
     "design/words.py",
     "infer/remarks.py",
     "measure/rows.py",
+    "rig/remarks.py",
     "golden/compare.py",
     "sweep/run.py",
     "sweep/advice.py",

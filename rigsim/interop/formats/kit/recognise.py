@@ -102,8 +102,7 @@ def chosen(made: Sequence[Candidate], asked: Asked, place: str) -> tuple[Candida
 
 def unknown(file: File) -> InvalidRig:
     """What is to be said of a file that is of no format."""
-    lacking = (format.lacks(file) for format in registry.ALL if format.lacks is not None)
-    hint = next((hint for hint in lacking if hint), None)
+    hint = next((hint for _, lacks in _partly() if (hint := lacks(file))), None)
     if hint is not None:
         return InvalidRig(f"{file.path}: {printable(hint)}")
     known = ", ".join(format.name for format in registry.ALL)
@@ -127,10 +126,14 @@ def named(files: Sequence[File]) -> str:
 
 
 def _part(file: File) -> str:
-    partly: list[tuple[Format, Callable[[File], str | None]]]
-    partly = [(format, format.lacks) for format in registry.ALL if format.lacks is not None]
-    owner = next((format.name for format, lacks in partly if lacks(file)), None)
+    owner = next((format.name for format, lacks in _partly() if lacks(file)), None)
     return f"{file.name} {looks_like(file)}" if owner is None else f"{file.name} is a part of {owner}"
+
+
+def _partly() -> list[tuple[Format, Callable[[File], str | None]]]:
+    """The formats that know a part of theirs, those that take what is left last."""
+    in_turn = sorted(registry.ALL, key=lambda format: format.late)
+    return [(format, format.lacks) for format in in_turn if format.lacks is not None]
 
 
 def _without_size(found: Found) -> bool:

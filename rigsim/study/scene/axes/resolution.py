@@ -9,13 +9,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rigsim.errors import InvalidRange
-from rigsim.rig.presets import published_lens
-from rigsim.rig.remark import Remark
 from rigsim.study.scene.axes.axis import Axis
 from rigsim.study.scene.column import Column
 
 if TYPE_CHECKING:
     from rigsim.rig.intrinsics import Intrinsics
+    from rigsim.rig.remark import Remark
     from rigsim.rig.stereo import StereoRig
     from rigsim.study.scene.recipe import Recipe
 
@@ -24,12 +23,17 @@ _SAME_SHAPE = 0.01
 
 
 def _change(recipe: Recipe, size: tuple[int, int]) -> Recipe:
+    from rigsim.rig.presets import published_lens
+
     published = published_lens(recipe.base, *size)
     return recipe.lenses(lambda lens: _behind(lens, *size) if published is None else published)
 
 
 def shape_remark(rig: StereoRig, width: int, height: int) -> Remark | None:
     """What becomes of pictures that get another shape; None where they keep theirs, or have a mode of it."""
+    from rigsim.rig.presets import published_lens
+    from rigsim.rig.remark import Remark
+
     own = rig.left
     rows = own.height * width / own.width
     if abs(height / rows - 1) <= _SAME_SHAPE or published_lens(rig, width, height) is not None:
