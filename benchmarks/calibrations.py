@@ -1,6 +1,7 @@
 """Calibrations that strangers published: what each is read as, how far off, in what time.
 
-And one pair of cameras in two models. They are not part of the project: name their folder in the environment variable RIGSIM_CALIBRATIONS.
+And one pair of cameras in two models. They are not part of the project: name their folder in the
+environment variable RIGSIM_CALIBRATIONS.
 """
 
 from __future__ import annotations
@@ -53,8 +54,8 @@ CASES = (
     Case("opencv_bad_calibration_padel", None, "70.24 mm with --rig-unit mm"),
     Case("orbslam2_stereo", 110.08),
     Case("oak_calib_json", 75.18),
-    Case("basalt/euroc_ds_calib.json", 110.08),
-    Case("basalt/euroc_eucm_calib.json", 110.08),
+    Case("basalt/euroc_ds_calib.json", 110.232),
+    Case("basalt/euroc_eucm_calib.json", 110.232),
     Case("basalt/tumvi_512_ds_calib.json", 101.0),
     Case("kitti_raw_y_offset", 532.73),
     Case("kitti_odometry", 537.166, "no_size"),

@@ -40,7 +40,7 @@ def rig(
         bool,
         typer.Option(
             "--approximate",
-            help="Fit the nearest lens that the format has where it lacks the rig's; tells the px it is off by.",
+            help="Fit the nearest lens that the format has, where it lacks the rig's; tells the px.",
         ),
     ] = False,
     as_json: Json = False,

@@ -10,6 +10,6 @@ GEOMETRIES = (
     "distorted, pincushion, toe-out, convergent, from the side, left-handed, upside-down, on its side, "
     "portrait, diagonal, backward, alike, wide, close-up, aerial, remote"
 )
-RIG_FORMATS = "opencv, ros, kalibr, middlebury, colmap, mjcf, nerfstudio, mrcal"
+RIG_FORMATS = "opencv, ros, kalibr, basalt, middlebury, colmap, mjcf, nerfstudio, mrcal"
 DATASET_FORMATS = "middlebury, kitti, opencv, colmap"
 # [[[end]]]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from rigsim.errors import OutputError, RigsimError
 from rigsim.interop.formats import middlebury, registry, rig_toml
 from rigsim.interop.formats.format import File
-from rigsim.interop.formats.kit.files import file_of, read_file, siblings
+from rigsim.interop.formats.kit.files import file_of, neighbours, read_file, siblings
 from rigsim.interop.formats.kit.reading import AS_IT_IS, Reading, RigFiles, RigReading, reading
 from rigsim.interop.formats.kit.recognise import (
     Candidate,
@@ -169,7 +169,7 @@ def _of_files(files: list[File]) -> list[Candidate]:
     if made:
         return made
     paths = {file.path for file in files}
-    others = [file for file in siblings(files[0].path.parent) if file.path not in paths]
+    others = [file for file in neighbours(files[0].path) if file.path not in paths]
     made = with_all(candidates([*files, *others]), files)
     if not made:
         raise unknown(files[0]) if len(files) == 1 else unfit(files)

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from rigsim.errors import InvalidRig
 from rigsim.interop.formats.format import Asked, File, Format, Found
 from rigsim.interop.formats.photogrammetry.colmap_models import NAMES, camera_line, camera_of
+from rigsim.interop.formats.photogrammetry.together import Taken, pose_together
 from rigsim.interop.formats.values import (
     clipped,
     number,
@@ -29,33 +29,8 @@ from rigsim.rig.stereo import StereoRig
 
 FILE_NAMES = ("cameras.txt", "rigs.txt", "frames.txt", "images.txt", "points3D.txt")
 
-_STILL = 0.03  # of the baseline: more than what poses from pictures are mostly off by
-
 IN_METRES = "(TYPE ID HAS_POSE QW QX QY QZ TX TY TZ)[]; metres"
 """How rigsim's own rigs.txt says its unit."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Image:
-    """A line of images.txt."""
-
-    camera: str
-    name: str
-    pose: Pose
-    """Maps the world to the camera."""
-
-    @classmethod
-    def of(cls, words: Sequence[str], where: str) -> _Image:
-        if len(words) < 10:
-            raise InvalidRig(f"{where}: has {len(words)} words, must have 10: id, pose, camera, name")
-        return cls(words[8], words[9], _pose(words[1:8], where))
-
-    @property
-    def frame(self) -> str:
-        """What images that were taken together share: the number in the name, or all but the folder."""
-        base = self.name.replace("\\", "/").rpartition("/")[2]
-        digits = re.findall(r"\d+", base)
-        return digits[-1].lstrip("0") if digits else base
 
 
 def colmap_files(
@@ -188,7 +163,7 @@ def _first_two(text: str) -> tuple[str, str, Pose]:
         for i, line in enumerate(text.splitlines(), start=1)
         if not line.lstrip().startswith("#")
     ][::2]
-    images = [_Image.of(words, where) for words, where in rows if words]
+    images = [_image(words, where) for words, where in rows if words]
     if len(images) < 2:
         raise InvalidRig(
             f"images.txt: has {len(images)} image(s), must have 2, left and right; or give a rigs.txt"
@@ -203,30 +178,14 @@ def _first_two(text: str) -> tuple[str, str, Pose]:
                 " images left and right"
             )
         return left.camera, right.camera, right.pose @ left.pose.inverse
-    poses = _poses_together(images, left.camera, right.camera)
-    for pose in poses[1:]:
-        moved = float(np.linalg.norm(pose.t - poses[0].t))
-        if not moved <= _STILL * float(np.linalg.norm(poses[0].t)):
-            raise InvalidRig(
-                f"images.txt: camera {right.camera} moves against camera {left.camera}, by {moved:.3g} of a"
-                f" baseline of {float(np.linalg.norm(poses[0].t)):.3g}: no rig; give a rigs.txt"
-            )
-    return left.camera, right.camera, poses[0]
+    pose = pose_together(images, left.camera, right.camera, "give a rigs.txt")
+    return left.camera, right.camera, pose
 
 
-def _poses_together(images: Sequence[_Image], left: str, right: str) -> list[Pose]:
-    """Poses of the right camera from the left one, of images that are called alike but for their folder."""
-    lefts, rights = ([image for image in images if image.camera == camera] for camera in (left, right))
-    if len(lefts) == len(rights) == 1:
-        return [rights[0].pose @ lefts[0].pose.inverse]
-    by_frame = {image.frame: image for image in rights}
-    poses = [by_frame[one.frame].pose @ one.pose.inverse for one in lefts if one.frame in by_frame]
-    if not poses:
-        raise InvalidRig(
-            f"images.txt: no image of camera {right} is called like one of camera {left}, so that none are"
-            " known to be taken together: give a rigs.txt"
-        )
-    return poses
+def _image(words: Sequence[str], where: str) -> Taken:
+    if len(words) < 10:
+        raise InvalidRig(f"{where}: has {len(words)} words, must have 10: id, pose, camera, name")
+    return Taken(words[8], words[9], _pose(words[1:8], where))
 
 
 def _pose(words: Sequence[str], where: str) -> Pose:

@@ -116,8 +116,7 @@ class Format:
     drawn_up: bool = False
     """Whether a rig is taken as somebody drew it up: its right camera may lie on the left side."""
     late: bool = False
-    """Whether it also makes rigs of others' files, which have the same names for the same things: those that another
-    format takes are not its own."""
+    """Whether it would take others' files, which use the same names: it gets those that are left."""
     otherwise: tuple[str, ...] = ()
     """Endings of which it takes the files that no format knows."""
     groups: Callable[[Sequence[File]], list[tuple[File, ...]]] | None = None

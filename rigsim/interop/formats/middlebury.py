@@ -21,6 +21,7 @@ import numpy as np
 from rigsim import foreign
 from rigsim.errors import InvalidImage, InvalidRig
 from rigsim.interop.formats.format import Asked, File, Format, Found, alone, names_sides, swapped
+from rigsim.interop.formats.values import clipped
 from rigsim.pixels.dense.pfm import parse_pfm
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
@@ -197,7 +198,7 @@ def _matrix(values: dict[str, str], key: str, name: str) -> Array:
         K = np.empty(0)
     shape_fits = K.shape == (3, 3)
     if not (shape_fits and np.isfinite(K).all() and K[0, 1] == K[1, 0] == 0 and (K[2] == (0, 0, 1)).all()):
-        raise InvalidRig(f"{name}{key}={text}: must be [f 0 cx; 0 f cy; 0 0 1]")
+        raise InvalidRig(f"{name}{key}={clipped(text)}: must be [f 0 cx; 0 f cy; 0 0 1]")
     return K
 
 
@@ -206,7 +207,7 @@ def _number(values: dict[str, str], key: str, name: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise InvalidRig(f"{name}{key}={text}: must be a number") from None
+        raise InvalidRig(f"{name}{key}={clipped(text)}: must be a number") from None
 
 
 def _pixels(values: dict[str, str], key: str, name: str) -> int:

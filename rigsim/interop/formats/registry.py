@@ -9,18 +9,18 @@ from types import MappingProxyType
 from rigsim.errors import InvalidRange, InvalidRig
 from rigsim.interop.formats import (
     colmap,
-    kalibr,
-    kitti,
     middlebury,
     mjcf,
     nerfstudio,
     rig_toml,
-    ros,
 )
 from rigsim.interop.formats.format import Asked, File, Format, Found
+from rigsim.interop.formats.kitti import kitti
 from rigsim.interop.formats.makers import matlab, oak, realsense, zed
 from rigsim.interop.formats.opencv import calibration as opencv
-from rigsim.interop.formats.photogrammetry import mrcal
+from rigsim.interop.formats.photogrammetry import metashape, mrcal
+from rigsim.interop.formats.robotics import basalt, euroc, kalibr, ros
+from rigsim.interop.formats.slam import orbslam, vins
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
@@ -59,6 +59,10 @@ ALL: tuple[Format, ...] = tuple(
         opencv.FORMAT,
         ros.FORMAT,
         kalibr.FORMAT,
+        basalt.FORMAT,
+        euroc.FORMAT,
+        vins.FORMAT,
+        orbslam.FORMAT,
         middlebury.FORMAT,
         kitti.FORMAT,
         colmap.FORMAT,
@@ -69,6 +73,7 @@ ALL: tuple[Format, ...] = tuple(
         zed.FORMAT,
         matlab.FORMAT,
         mrcal.FORMAT,
+        metashape.FORMAT,
     )
 )
 """All that are read."""

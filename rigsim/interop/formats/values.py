@@ -260,6 +260,11 @@ def shown(value: object) -> str:
 
 
 def clipped(text: str) -> str:
-    """A text cut to what fits a message."""
-    text = " ".join(text[: 4 * _SHOWN].split())
+    """A text cut to what fits a message, on one line."""
+    text = printable(" ".join(text[: 4 * _SHOWN].split()))
     return text if len(text) <= _SHOWN else text[: _SHOWN - 3] + "..."
+
+
+def printable(text: str) -> str:
+    """A text without the letters that would break a line or a terminal."""
+    return "".join(letter if letter.isprintable() else "?" for letter in text)

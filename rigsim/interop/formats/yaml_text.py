@@ -26,7 +26,7 @@ _OPENCV = "tag:yaml.org,2002:opencv-"
 _OPENCV_MATRIX = _OPENCV + "matrix"
 
 _MOST_VALUES = 200_000
-_MOST_LETTERS = 1_000_000
+_MOST_LETTERS = 400_000
 _MOST_BRACKETS = 50
 
 
@@ -147,7 +147,7 @@ def _plain(text: str) -> str:
         InvalidRig: it is longer, or nested deeper, than a calibration is.
     """
     if len(text) > _MOST_LETTERS:
-        raise InvalidRig(f"{len(text) / 1e6:.3g} MB of YAML: a calibration has less than 1 MB")
+        raise InvalidRig(f"{len(text) / 1e6:.3g} MB of YAML: a calibration has less than 0.4 MB")
     depth = 0
     for bracket in _BRACKET.finditer(text):
         depth = max(0, depth + (1 if bracket[0] in "[{" else -1))

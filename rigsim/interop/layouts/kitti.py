@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rigsim.errors import InvalidImage
-from rigsim.interop.formats.kitti import calib_cam_to_cam
+from rigsim.interop.formats.kitti.kitti import calib_cam_to_cam
 from rigsim.interop.formats.middlebury import LARGEST_PNG_PX, disparity_png
 from rigsim.interop.layouts.layout import Layout, mask, png, points
 from rigsim.study.scene.frames import DatasetFrame

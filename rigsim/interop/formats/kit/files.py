@@ -15,6 +15,8 @@ from rigsim.interop.formats.values import clipped
 
 _SIBLING_BYTES = 1_000_000
 _MOST_SIBLINGS = 100
+_A_CAMERA = re.compile(r"cam(?:era)?_?\d+|left|right", re.IGNORECASE)
+"""Folders of one camera, as in ASL's layout."""
 _NO_CALIBRATIONS = re.compile(
     r"\.(?:png|jpe?g|tiff?|bmp|p[gp]m|pfm|exr|webp|npy|npz|ply|pcd|bag|mp4|avi|mkv|zip|gz|pdf|py|pyc|so|o|[ch](?:pp)?|md"
     r"|html|ipynb|csv)$",
@@ -56,13 +58,40 @@ def file_of(path: Path, content: bytes) -> File:
 
 
 def siblings(folder: Path) -> list[File]:
-    """The files of a folder that may be calibrations, by name: not the pictures, nor what is large."""
-    found: list[File] = []
+    """The files of a folder, and of its cameras' folders, that may be calibrations: not the pictures,
+    nor what is large."""
+    return [*_calibrations(folder), *(file for own in _cameras(folder) for file in _calibrations(own))]
+
+
+def neighbours(path: Path) -> list[File]:
+    """The files beside one, those of the other cameras included where it lies in a camera's folder."""
+    folder = path.parent
+    found = siblings(folder)
+    if _A_CAMERA.fullmatch(folder.absolute().name):
+        above = folder.parent if folder.name else Path(os.pardir)
+        others = (other for other in _cameras(above) if not other.samefile(folder))
+        found += [file for other in others for file in _calibrations(other)]
+    return found
+
+
+def _cameras(folder: Path) -> list[Path]:
+    return [
+        Path(folder, entry.name)
+        for entry in _entries(folder)
+        if _A_CAMERA.fullmatch(entry.name) and entry.is_dir()
+    ]
+
+
+def _entries(folder: Path) -> list[os.DirEntry[str]]:
     try:
-        entries = sorted(os.scandir(folder), key=lambda entry: entry.name)
+        return sorted(os.scandir(folder), key=lambda entry: entry.name)
     except OSError:
-        return found
-    for entry in entries:
+        return []
+
+
+def _calibrations(folder: Path) -> list[File]:
+    found: list[File] = []
+    for entry in _entries(folder):
         if _NO_CALIBRATIONS.search(entry.name) or len(found) >= _MOST_SIBLINGS:
             continue
         try:
@@ -109,7 +138,7 @@ def _text(content: bytes) -> str:
 
 
 def _closed_up(text: str) -> str:
-    """The text without the rest of very long gaps, in which a search for a line's beginning would get lost."""
+    """The text without the rest of very long gaps, in which a search for a line's beginning gets lost."""
     if _GAP not in text.replace(" ", "").replace("\t", ""):
         return text
     lines, blank = [], 0

@@ -12,6 +12,7 @@ from rigsim.errors import InvalidRig, OutputError, RigsimError
 from rigsim.interop.formats import registry
 from rigsim.interop.formats.format import Asked, File, Format, Found
 from rigsim.interop.formats.kit.files import looks_like
+from rigsim.interop.formats.values import printable
 from rigsim.rig.stereo import StereoRig
 
 _SAME_FOCAL, _SAME_BASELINE, _SAME_TURN = 2e-3, 2e-3, 2e-3
@@ -87,7 +88,7 @@ def chosen(made: Sequence[Candidate], asked: Asked, place: str) -> tuple[Candida
             failed.append((one, error))
     if not opened:
         first, why = failed[0]
-        raise InvalidRig(f"{named(first.files)}: {why}")
+        raise InvalidRig(f"{named(first.files)}: {printable(str(why))}")
     opened.sort(key=lambda item: (item[1].unit is None, _without_size(item[1]), -len(item[0].files)))
     best, found = opened[0]
     taken = [item[0].paths for item in opened]
@@ -101,12 +102,11 @@ def chosen(made: Sequence[Candidate], asked: Asked, place: str) -> tuple[Candida
 
 def unknown(file: File) -> InvalidRig:
     """What is to be said of a file that is of no format."""
-    lacking = (format.lacks(file) for format in registry.ALL if format.lacks is not None)
-    hint = next((hint for hint in lacking if hint), None)
+    hint = next((hint for _, lacks in _partly() if (hint := lacks(file))), None)
     if hint is not None:
-        return InvalidRig(f"{file.path}: {hint}")
+        return InvalidRig(f"{file.path}: {printable(hint)}")
     known = ", ".join(format.name for format in registry.ALL)
-    return InvalidRig(f"{file.path}: {looks_like(file)}; calibrations that are read: {known}")
+    return InvalidRig(f"{file.path}: {printable(looks_like(file))}; calibrations that are read: {known}")
 
 
 def unfit(files: Sequence[File]) -> InvalidRig:
@@ -126,10 +126,14 @@ def named(files: Sequence[File]) -> str:
 
 
 def _part(file: File) -> str:
-    partly: list[tuple[Format, Callable[[File], str | None]]]
-    partly = [(format, format.lacks) for format in registry.ALL if format.lacks is not None]
-    owner = next((format.name for format, lacks in partly if lacks(file)), None)
+    owner = next((format.name for format, lacks in _partly() if lacks(file)), None)
     return f"{file.name} {looks_like(file)}" if owner is None else f"{file.name} is a part of {owner}"
+
+
+def _partly() -> list[tuple[Format, Callable[[File], str | None]]]:
+    """The formats that know a part of theirs, those that take what is left last."""
+    in_turn = sorted(registry.ALL, key=lambda format: format.late)
+    return [(format, format.lacks) for format in in_turn if format.lacks is not None]
 
 
 def _without_size(found: Found) -> bool:

@@ -13,7 +13,7 @@ from rigsim.interop.formats.values import clipped
 from rigsim.interop.formats.yaml_text import TWICE, opencv_matrix, yaml_table
 
 _DEEPEST = 40
-_MOST_LETTERS = 1_000_000
+_MOST_LETTERS = 400_000
 _ENTITIES = re.compile(r"<!\s*(?:DOCTYPE|ENTITY)", re.IGNORECASE)
 _A_KEY = re.compile(r"^[ \t]*[\w.\"-]+[ \t]*:", re.MULTILINE)
 
@@ -35,7 +35,7 @@ def storage_table(text: str) -> Mapping[str, object]:
     """
     start = text.lstrip()[:1]
     if start in ("<", "{") and len(text) > _MOST_LETTERS:
-        raise InvalidRig(f"{len(text) / 1e6:.3g} MB: a calibration has less than 1 MB")
+        raise InvalidRig(f"{len(text) / 1e6:.3g} MB: a calibration has less than 0.4 MB")
     if start == "<":
         return _xml_table(text)
     return _json_table(text) if start == "{" else yaml_table(text)

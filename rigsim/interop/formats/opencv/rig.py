@@ -142,8 +142,10 @@ def _rectified(facts: Facts) -> tuple[tuple[Array, Array], Pose]:
     if facts.has_projections:
         P = [matrix(facts.value("P", side), facts.key("P", side), 3, 4) for side in _SIDES]
         for one, side in zip(P, _SIDES, strict=True):
-            if not one[0, 0] * one[1, 1] > 0:
-                raise InvalidRig(f"{facts.key('P', side)}: its focal lengths must be > 0")
+            if not (one[0, 0] > 0 and one[1, 1] > 0 and one[2, :3].tolist() == [0, 0, 1]):
+                raise InvalidRig(
+                    f"{facts.key('P', side)}: must be [fx 0 cx a; 0 fy cy b; 0 0 1 c], fx and fy > 0"
+                )
         left, right = (np.linalg.solve(one[:, :3], one[:, 3]) for one in P)
         return (P[0][:, :3], P[1][:, :3]), Pose(np.eye(3), right - left)
     if not facts.has("Q"):

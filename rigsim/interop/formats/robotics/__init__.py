@@ -1,0 +1,1 @@
+"""Calibrations of robots' cameras: ROS, Kalibr, Basalt, EuRoC."""
