@@ -150,7 +150,7 @@ def sweep(typed: Mapping[str, str], words: SweepWords, cover: CoverWords, golden
     range_m = _range(words.depth_range)
     required = _required(words.require)
     options = _rigs(typed, words)
-    tell_of_rig(options)
+    options = tell_of_rig(options)
     axes, n_rigs = options.axes(words.scene), len(options.grid(words.scene))
     sensor = _sensor(options, words)
     if n_rigs > MANY_RIGS and not words.yes:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -49,6 +49,8 @@ class RigOptions:
     """Other axes that change the rig, by name."""
     read: StereoRig | None = None
     """A rig that was read already, in place of a file's."""
+    found: Reading | None = field(default=None, compare=False)
+    """The calibration that was named, where it was read already."""
 
     @classmethod
     def of(cls, typed: Mapping[str, Any], **others: Any) -> RigOptions:
@@ -65,7 +67,7 @@ class RigOptions:
         own = (
             (name, getattr(self, name))
             for name in type(self).__dataclass_fields__
-            if name not in ("more", "read", "rig", "rig_swap")
+            if name not in ("more", "read", "found", "rig", "rig_swap")
         )
         said = [(name.replace("_", "-"), str(value)) for name, value in own if value is not None]
         files = self.files
@@ -120,8 +122,8 @@ class RigOptions:
             RigsimError: it cannot be read.
         """
         files = self.files
-        if files is None:
-            return None
+        if files is None or self.found is not None:
+            return self.found
         from rigsim.interop.formats.calibration import read
 
         return read(files.paths, files.said)
@@ -165,7 +167,7 @@ class RigOptions:
         if twice is not None:
             raise InvalidRange(f"--{field} {text}: {twice} is given twice; remove one")
         if field == "rig":
-            return [(name, replace(self, rig=Path(name))) for name in names]
+            return [(name, replace(self, rig=Path(name), found=None)) for name in names]
         from rigsim.rig.presets import preset
 
         return [(preset(name).name, replace(self, preset=name)) for name in names]

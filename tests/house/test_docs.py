@@ -49,7 +49,9 @@ def test_the_first_commands_are_the_entrances():
 
 @pytest.fixture(scope="module")
 def shared(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("readme")
+    folder = tmp_path_factory.mktemp("readme")
+    (folder / "docs").symlink_to(ROOT / "docs")  # whose examples it reads
+    return folder
 
 
 @pytest.mark.parametrize("command", [command for command in COMMANDS if command.startswith("./run ")])

@@ -35,6 +35,7 @@ WITHOUT_UNIT = {
     *("as_built_se", "as_built_rigs", "recalibrated_se", "recalibrated_rigs"),  # shares and counts
     *("recalibrated_informed", "yield", "yield_se"),  # shares
     *("as_built", "recalibrated", "margin", "confidence_level", "first_over_simulated"),  # shares, ratios
+    "share",  # of a picture
     *("exponent", "exponent_ci_low", "exponent_ci_high"),
     *("nees", "predicted_over_simulated", "measured_over_predicted", "measured_within_3_sigma"),  # ratios
     *("measured_scale", "measured_scale_ci_low", "measured_scale_ci_high"),  # ratios of error to claim

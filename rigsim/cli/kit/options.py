@@ -156,7 +156,7 @@ def takes_rig(command: Callable[Concatenate[RigOptions, _P], _R]) -> Callable[..
     def run(context: typer.Context, **words: Any) -> _R:
         typed = meant(registry.OF_RIG, words, context)
         options = RigOptions.of(typed, **{name: words.pop(name) for name in _RIG_OPTIONS if name in words})
-        tell_of_rig(options)
+        options = tell_of_rig(options)
         return cast(Callable[..., _R], command)(options, **words)
 
     own = list(inspect.signature(command, eval_str=True).parameters.values())[1:]
@@ -171,16 +171,18 @@ def takes_rig(command: Callable[Concatenate[RigOptions, _P], _R]) -> Callable[..
     return run
 
 
-def tell_of_rig(options: RigOptions) -> None:
+def tell_of_rig(options: RigOptions) -> RigOptions:
     """Say what is odd about the calibration that --rig names, and what becomes of pictures of another shape,
-    before anything is made of it."""
+    before anything is made of it; the same options, with what was read."""
     remarks: list[Remark] = []
     each = options.each()
-    for name, one in each:
+    for place, (name, one) in enumerate(each):
         found = one.reading() if one.preset is None else None
+        each[place] = name, replace(one, found=found)
         odd = (*(() if found is None else found.remarks), *one.shape_remarks())
         remarks += odd if len(each) == 1 else (replace(item, text=f"{name}: {item.text}") for item in odd)
     tell(remarks)
+    return options if len(each) > 1 else each[0][1]
 
 
 def _default(name: str) -> str | bool | None:
