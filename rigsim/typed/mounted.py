@@ -37,7 +37,7 @@ def mounted(options: RigOptions, scene: str, mount: str | None) -> tuple[RigOpti
         return options, ()
     lens = rig.left
     text = (
-        f"both lenses are those of the scene's camera {mount.partition(':')[2]}: {lens.hfov_deg:.4g} deg across"
-        f" {lens.width}x{lens.height} px; give another by --focal, --hfov, --preset or --rig"
+        f"both lenses are those of the scene's camera {mount.partition(':')[2]}: {lens.hfov_deg:.4g} deg"
+        f" across {lens.width}x{lens.height} px; give another by --focal, --hfov, --preset or --rig"
     )
     return replace(options, read=rig), (Remark("lens", text),)
