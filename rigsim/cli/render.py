@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -10,6 +10,7 @@ import typer
 
 from rigsim.cli.kit.answer import claim, command, deliver, quiet
 from rigsim.cli.kit.options import Json, takes, takes_rig
+from rigsim.typed.mounted import mounted
 from rigsim.typed.rigs import RigOptions
 
 
@@ -31,6 +32,7 @@ class RenderWords:
 @takes(RenderWords)
 def render(options: RigOptions, words: RenderWords) -> None:
     """Render a stereo pair with exact depth, disparity and segmentation."""
+    options, remarks = mounted(options, words.scene, words.mount)
     rig = options.single(words.scene)
     claim(words.out, words.force)
 
@@ -38,4 +40,6 @@ def render(options: RigOptions, words: RenderWords) -> None:
 
     with quiet(words.as_json):
         result = run(rig, scene=words.scene, mount=words.mount, renderer=words.renderer, command=command())
+    snapshot = replace(result.snapshot, remarks=(*remarks, *result.snapshot.remarks))
+    result = replace(result, snapshot=snapshot)
     deliver(result, words.out, words.force, words.as_json)

@@ -8,9 +8,10 @@ from rigsim.errors import InvalidRig
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.frame import View
-from rigsim.sim.lens import ideal_grid
+from rigsim.sim.lens import ray_grid
 from rigsim.sim.scenes.scene import Scene
 from rigsim.sim.truth import rays
+from rigsim.sim.truth.points import at_depth
 
 _HIDDEN = 1e-3  # of its depth, by which what hides a point is nearer
 
@@ -27,8 +28,7 @@ def true_disparity(scene: Scene, left: View) -> Array:
     seen = np.isfinite(left.depth)
     v, u = np.nonzero(seen)
     uv_left = np.column_stack([u, v]).astype(np.float64)
-    rays_left = np.column_stack([rig.left.normalize(uv_left), np.ones(len(uv_left))])
-    points_left = rays_left * left.depth[seen][:, None]
+    points_left = at_depth(rig.left, uv_left, left.depth[seen])
     _, uv_right = rig.project(points_left)
     visible = rig.right.contains(uv_right)
     # the drawn depth is a few micrometres off: step back from the surface by as little
@@ -41,10 +41,9 @@ def true_disparity(scene: Scene, left: View) -> Array:
 
 def drawn_points(rig: StereoRig, depth_left: Array) -> Array:
     """What each left pixel shows, (H, W, 3) m in the left camera's frame; NaN for nothing."""
-    points = np.empty((*depth_left.shape, 3))
-    points[..., :2] = ideal_grid(rig.left) * depth_left[..., None]
-    points[..., 2] = depth_left
-    return points
+    rays = ray_grid(rig.left)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(rays * (depth_left / rays[..., 2])[..., None])
 
 
 def drawn_disparity(rig: StereoRig, points_left: Array, depth_right: Array) -> Array:

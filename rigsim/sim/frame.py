@@ -23,7 +23,7 @@ class View:
     @property
     def image(self) -> Image:
         """Colour, (H, W, 3), grey levels 0 to 255."""
-        return np.asarray(np.rint(self.light * 255), dtype=np.uint8)
+        return np.asarray(np.rint(np.clip(self.light, 0, 1) * 255), dtype=np.uint8)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,9 +16,11 @@ from rigsim.errors import InvalidImage, InvalidRig
 from rigsim.rig.arrays import AnyImage, Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.lens import ahead
+from rigsim.sim.truth.points import directions
 
 _MARGIN_PX = 8.0  # for the lens blur and the spline's reach
 _MAX_WIDENING = 3.0
+_FAIR = 2.0  # beyond it the faces of a cube have fewer pixels
 
 
 def wider_intrinsics(
@@ -36,25 +38,13 @@ def wider_intrinsics(
     """
     if not (isinstance(supersample, int) and supersample >= 1):
         raise InvalidRig(f"supersample {supersample}: must be a whole number >= 1")
-    left, top = -0.5 - margin_px, -0.5 - margin_px
-    right, bottom = intrinsics.width - 0.5 + margin_px, intrinsics.height - 0.5 + margin_px
-    along = np.linspace(0, 1, 257)
-    u, v = left + (right - left) * along, top + (bottom - top) * along
-    ends = [np.full_like(u, value) for value in (top, bottom, left, right)]
-    rim = np.concatenate(
-        [np.stack(pair, axis=-1) for pair in ((u, ends[0]), (u, ends[1]), (ends[2], v), (ends[3], v))]
-    )
-    ideal = intrinsics.normalize(rim)
-    if not np.isfinite(ideal).all():
+    first, last = _extent(intrinsics, margin_px)
+    if not np.isfinite(first).all():
         raise InvalidRig(
             "distortion folds within the picture or its margin: no straight ray ends at its rim; "
             "weaken it or crop the picture"
         )
-    focal, center = np.array([intrinsics.fx, intrinsics.fy]), np.array([intrinsics.cx, intrinsics.cy])
-    # whole pixels of the coarse grid on every side keep the fine pixels nested in it
-    first_u, first_v = np.floor(ideal.min(axis=0) * focal + center).astype(int)
-    last_u, last_v = np.ceil(ideal.max(axis=0) * focal + center).astype(int)
-    width, height = int(last_u - first_u) + 1, int(last_v - first_v) + 1
+    (first_u, first_v), (width, height) = first.astype(int), (last - first).astype(int) + 1
     if width > _MAX_WIDENING * intrinsics.width or height > _MAX_WIDENING * intrinsics.height:
         raise InvalidRig(
             f"distortion needs a pinhole picture of {width} x {height} px for one of {intrinsics.width} x "
@@ -62,13 +52,41 @@ def wider_intrinsics(
         )
     k = supersample
     return Intrinsics(
-        width * k,
-        height * k,
+        int(width) * k,
+        int(height) * k,
         intrinsics.fx * k,
         intrinsics.fy * k,
         (intrinsics.cx - first_u) * k + (k - 1) / 2,
         (intrinsics.cy - first_v) * k + (k - 1) / 2,
     )
+
+
+def covers(camera: Intrinsics) -> bool:
+    """Whether one wider pinhole picture holds what the camera shows; of a wide lens, at a fair price."""
+    first, last = _extent(camera, _MARGIN_PX)
+    size = last - first + 1  # NaN compares as false
+    return bool(
+        (size <= (_FAIR if camera.is_wide else _MAX_WIDENING) * np.array([camera.width, camera.height])).all()
+    )
+
+
+def _extent(camera: Intrinsics, margin_px: float) -> tuple[Array, Array]:
+    """First and last column and row, (2,) each, of the camera's pixels as a pinhole would have them.
+
+    NaN where a ray of the rim is none, or 90 degrees off the axis.
+    """
+    left, top = -0.5 - margin_px, -0.5 - margin_px
+    right, bottom = camera.width - 0.5 + margin_px, camera.height - 0.5 + margin_px
+    along = np.linspace(0, 1, 257)
+    u, v = left + (right - left) * along, top + (bottom - top) * along
+    ends = [np.full_like(u, value) for value in (top, bottom, left, right)]
+    rim = np.concatenate(
+        [np.stack(pair, axis=-1) for pair in ((u, ends[0]), (u, ends[1]), (ends[2], v), (ends[3], v))]
+    )
+    ideal = camera.normalize(rim)
+    focal, center = np.array([camera.fx, camera.fy]), np.array([camera.cx, camera.cy])
+    # whole pixels of the coarse grid on every side keep the fine pixels nested in it
+    return np.floor(ideal.min(axis=0) * focal + center), np.ceil(ideal.max(axis=0) * focal + center)
 
 
 def distort_image(wide_image: AnyImage, wide_intrinsics: Intrinsics, intrinsics: Intrinsics) -> Array:
@@ -110,12 +128,19 @@ def rectify_image(image: AnyImage, assumed: Intrinsics, target: Intrinsics) -> A
 
 
 @lru_cache(maxsize=4)
-def ideal_grid(intrinsics: Intrinsics) -> Array:
-    """Undistorted normalised coordinates (H, W, 2) of every pixel; read-only, as it is kept."""
+def ray_grid(intrinsics: Intrinsics) -> Array:
+    """`directions` (H, W, 3) of every pixel; read-only, as it is kept."""
     v, u = np.mgrid[0 : intrinsics.height, 0 : intrinsics.width]
-    ideal = intrinsics.normalize(np.stack([u, v], axis=-1))
-    ideal.flags.writeable = False
-    return ideal
+    rays = directions(intrinsics, np.column_stack([u.ravel(), v.ravel()]))
+    rays = rays.reshape(intrinsics.height, intrinsics.width, 3)
+    rays.flags.writeable = False
+    return rays
+
+
+def ideal_grid(intrinsics: Intrinsics) -> Array:
+    """Undistorted normalised coordinates (H, W, 2) of every pixel, all of them ahead of the camera."""
+    rays = ray_grid(intrinsics)
+    return rays[..., :2] / rays[..., 2:] if intrinsics.is_wide else rays[..., :2]
 
 
 @lru_cache(maxsize=2)

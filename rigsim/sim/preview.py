@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from rigsim.rig.arrays import Array, Ids, Light
 from rigsim.rig.intrinsics import Intrinsics
+from rigsim.sim import faces
 from rigsim.sim.lens import ideal_grid, wider_intrinsics
 from rigsim.sim.scenes.scene import Scene
 
@@ -37,6 +38,17 @@ def pinhole_of(camera: Intrinsics) -> Intrinsics:
     return camera if camera.lens is None else wider_intrinsics(camera, 1, margin_px=_MARGIN_PX)
 
 
+def pinholes_of(camera: Intrinsics) -> tuple[Intrinsics, ...]:
+    """All pinholes that are drawn for a camera: one, or the faces of a cube.
+
+    Raises:
+        InvalidRig: the distortion folds the picture over.
+    """
+    if faces.needs_faces(camera):
+        return tuple(face.lens for face in faces.faces_of(camera))
+    return (pinhole_of(camera),)
+
+
 def light(scene: Scene, renderer: Renderer, side: int) -> Light:
     """Linear light (H, W, 3) on the left (0) or right (1) camera of the placed rig, lens included.
 
@@ -46,6 +58,8 @@ def light(scene: Scene, renderer: Renderer, side: int) -> Light:
     camera = scene.lens(side)
     if renderer.bends or camera.lens is None:
         return renderer.light(side, camera, 1)
+    if faces.needs_faces(camera):
+        return faces.through_faces(renderer, side, camera, order=1)
     drawn = renderer.light(side, pinhole_of(camera), 1)
     at, weights = _lookup(camera)
     pixels = drawn.reshape(-1, 3)

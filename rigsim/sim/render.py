@@ -74,11 +74,19 @@ class GlRenderer:
         self.backs = False
         self.bends = False
 
-    def light(self, side: int, lens: Intrinsics, supersample: int) -> Light:
+    def light(
+        self, side: int, lens: Intrinsics, supersample: int, camera_from_face: Array | None = None
+    ) -> Light:
         """Linear light (H, W, 3) that falls on the left (0) or right (1) camera through `lens`, 0 to 1.
 
         Drawn `supersample` times as fine along each side and averaged, so that an edge lands
         where the projection says; in bands, so that memory does not grow with the picture.
+
+        Args:
+            side: the left (0) or right (1) camera.
+            lens: the pinhole to draw through.
+            supersample: samples along each side of a pixel.
+            camera_from_face: how the pinhole is turned against the camera, (3, 3); the headlight is not.
 
         Raises:
             RenderMismatch: the frustum is not the lens's.
@@ -89,7 +97,7 @@ class GlRenderer:
         for top in range(0, lens.height, rows):
             # a band is a picture of its own, whose principal point lies further up
             band = replace(lens, height=min(rows, lens.height - top), cy=lens.cy - top)
-            rect = self._aim(side, band.supersampled(supersample))
+            rect = self._aim(side, band.supersampled(supersample), camera_from_face)
             image = np.empty((rect.height, rect.width, 3), dtype=np.uint8)
             mujoco.mjr_render(rect, self._scn, self._context)
             mujoco.mjr_readPixels(image, None, rect, self._context)
@@ -150,7 +158,7 @@ class GlRenderer:
             self._gl.make_current()
             GlRenderer._current = weakref.ref(self)
 
-    def _aim(self, side: int, lens: Intrinsics) -> Any:
+    def _aim(self, side: int, lens: Intrinsics, camera_from_face: Array | None = None) -> Any:
         """Make ready to draw one camera through `lens`; returns the rectangle to draw into."""
         if lens.width > self._size[0] or lens.height > self._size[1]:
             raise RenderUnavailable(
@@ -160,16 +168,27 @@ class GlRenderer:
         self._make_current()
         self._scene.set_lens(side, lens)
         self._camera.fixedcamid = self._scene.camera_ids[side]
-        model, data = self._scene.model, self._scene.data
-        # infinite planes and the headlight are laid out about the camera that the MjvScene holds: this one
-        mujoco.mjv_updateCamera(model, data, self._camera, self._scn)
-        every = mujoco.mjtCatBit.mjCAT_ALL.value
-        mujoco.mjv_updateScene(model, data, self._options, None, self._camera, every, self._scn)
+        with self._scene.turned(side, camera_from_face):
+            self._lay_out()
+        if camera_from_face is not None:
+            self._hold_headlight(side)
         self._facets.apply(self._scn, geom_slices(self._scene))
         self._scn.flags[mujoco.mjtRndFlag.mjRND_FOG] = 0
         self._scn.flags[mujoco.mjtRndFlag.mjRND_CULL_FACE] = not self.backs
         check_frustum(lens, read_frustum(self._scn.camera[0], lens.width, lens.height))
         return mujoco.MjrRect(0, 0, lens.width, lens.height)
+
+    def _lay_out(self) -> None:
+        """Infinite planes and the headlight about the camera that the MjvScene holds: this one."""
+        model, data, every = self._scene.model, self._scene.data, mujoco.mjtCatBit.mjCAT_ALL.value
+        mujoco.mjv_updateCamera(model, data, self._camera, self._scn)
+        mujoco.mjv_updateScene(model, data, self._options, None, self._camera, every, self._scn)
+
+    def _hold_headlight(self, side: int) -> None:
+        """Let the headlight shine along the camera's own axis, whichever way its pinhole is turned."""
+        for light in self._scn.lights[: self._scn.nlight]:
+            if light.headlight:
+                light.dir[:] = self._scene.world_from_camera(side).R[:, 2]
 
     def _metric_depth(self, raw: Any) -> Array:
         """Undo the reversed-Z projection, whose matrix GL holds in single precision."""

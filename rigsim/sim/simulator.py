@@ -16,7 +16,7 @@ from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.pose import Pose
 from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
-from rigsim.sim import backend
+from rigsim.sim import backend, faces
 from rigsim.sim.frame import StereoFrame, View
 from rigsim.sim.scenes.made import MadeScene
 
@@ -39,8 +39,10 @@ class Renderer(Protocol):
     bends: bool
     """Whether it draws through lenses that distort."""
 
-    def light(self, side: int, lens: Intrinsics, supersample: int) -> Light:
-        """Linear light (H, W, 3) on the left (0) or right (1) camera through `lens`."""
+    def light(
+        self, side: int, lens: Intrinsics, supersample: int, camera_from_face: Array | None = None
+    ) -> Light:
+        """Linear light (H, W, 3) on the left (0) or right (1) camera through `lens`, turned by (3, 3)."""
 
     def depth_and_segmentation(self, side: int, lens: Intrinsics | None = None) -> tuple[Array, Ids]:
         """Depth (H, W) m and geom id (H, W) at the pixel centres of the placed rig's camera, or of `lens`."""
@@ -114,11 +116,11 @@ class Simulator:
 
         Args:
             supersample: samples along each side of a pixel, averaged: 1, 2 or 4.
-            lenses: the pinholes to draw the light through, when they are not the rig's own: a lens with
-                distortion cannot be drawn, but a wider one can, and be resampled.
+            lenses: the cameras to draw the light through, when they are not the rig's own: pinholes that
+                cover what its lenses show, to be resampled, or finer ones.
 
         Raises:
-            InvalidRig: the rig's lenses distort, and no pinholes were given.
+            InvalidRig: the distortion folds the picture over.
             RenderMismatch: the renderer disagrees with the rig or with rays.
             RenderUnavailable: the pictures are too large.
         """
@@ -126,8 +128,6 @@ class Simulator:
 
         rig = self._placed()
         distorted = any(lens.lens is not None for lens in (rig.left, rig.right))
-        if lenses is None and distorted:
-            raise InvalidRig("lens distortion cannot be drawn: give the pinholes to draw with")
         drawn = lenses or (rig.left, rig.right)
         renderer = self._renderer_of(drawn, supersample)
         if distorted or self.backend == "rays":
@@ -136,7 +136,7 @@ class Simulator:
             truths = self._drawn_depth(renderer)
         views = []
         for side, (depth, segmentation) in enumerate(truths):
-            views.append(View(renderer.light(side, drawn[side], supersample), depth, segmentation))
+            views.append(View(faces.draw(renderer, side, drawn[side], supersample), depth, segmentation))
         return StereoFrame(*views)
 
     def preview(self, draft: bool = True) -> StereoFrame:
@@ -180,13 +180,17 @@ class Simulator:
             InvalidRig, NothingSeen, RenderMismatch, RenderUnavailable: as `preview`.
         """
         from rigsim.sim.preview import pinhole_of, through
+        from rigsim.sim.truth import rays
 
         rig, renderer = self._placed(), self._previewer(draft)
         if not draft:
             self._looked()
         cameras = (rig.left, rig.right)
-        lenses = tuple(camera if renderer.bends else pinhole_of(camera) for camera in cameras)
-        if renderer.bends or (draft and self._trusted):
+        if renderer.bends or any(faces.needs_faces(camera) for camera in cameras):
+            left, right = (rays.depth_picture(self.scene, side) for side in (0, 1))
+            return left, right
+        lenses = tuple(pinhole_of(camera) for camera in cameras)
+        if draft and self._trusted:
             drawn = [renderer.depth_and_segmentation(side, lenses[side]) for side in (0, 1)]
         else:
             drawn = self._drawn_depth(renderer, lenses)
@@ -198,11 +202,11 @@ class Simulator:
         return left, right
 
     def _previewer(self, draft: bool) -> Renderer:
-        from rigsim.sim.preview import pinhole_of
+        from rigsim.sim.preview import pinholes_of
         from rigsim.sim.render import buffer_size, check_size
 
         rig = self._placed()
-        drawn = [pinhole_of(camera) for camera in (rig.left, rig.right)]
+        drawn = [*pinholes_of(rig.left), *pinholes_of(rig.right)]
         for lens in drawn:
             check_size(lens, 1)
         return self._ready([buffer_size(lens, 1) for lens in drawn], draft)
@@ -223,13 +227,16 @@ class Simulator:
             self._drawn_depth(renderer)
 
     def _renderer_of(self, drawn: tuple[Intrinsics, Intrinsics], supersample: int) -> Renderer:
-        """What draws through these pinholes, and through the placed rig's own, which was looked at."""
+        """What draws through these cameras, and through the placed rig's own, which was looked at."""
         from rigsim.sim.render import buffer_size, check_size
 
         rig = self._placed()
-        for lens in drawn:
-            check_size(lens, supersample)
-        sizes = [buffer_size(lens, supersample) for lens in (*drawn, rig.left, rig.right)]
+        pinholes = [pinhole for camera in drawn for pinhole in faces.pinholes_of(camera, supersample)]
+        for lens, k in pinholes:
+            check_size(lens, k)
+        sizes = [
+            buffer_size(lens, k) for lens, k in (*pinholes, (rig.left, supersample), (rig.right, supersample))
+        ]
         renderer = self._ready(sizes)
         self._looked()
         return renderer

@@ -11,7 +11,7 @@ import pytest
 
 from benchmarks.subjects.frusta import drawn_frustum
 from rigsim import Intrinsics, Simulator, StereoRig
-from rigsim.errors import InvalidRig, RenderMismatch, RenderUnavailable
+from rigsim.errors import RenderMismatch, RenderUnavailable
 from rigsim.sim import render
 from rigsim.sim.axes import CV_FROM_GL, REP103_FROM_RIG
 from tests.helpers.scenes import SLANTED, WALL_NORMAL_WORLD, WALL_POINT_WORLD, write
@@ -164,14 +164,6 @@ def test_bands_join_without_a_seam(slanted: Simulator, monkeypatch: pytest.Monke
     banded = slanted.render().left
     np.testing.assert_allclose(banded.light, whole.light, atol=1.01 / 255)
     assert np.abs(banded.light - whole.light).mean() < 1e-4
-
-
-def test_distortion_cannot_be_rendered(slanted: Simulator):
-    from rigsim import BrownConrady
-
-    slanted.place(StereoRig.rectified(replace(LENS, lens=BrownConrady(k1=-0.1)), 0.1))
-    with pytest.raises(InvalidRig, match="distortion"):
-        slanted.render()
 
 
 def _light(simulator: Simulator) -> np.ndarray:

@@ -5,6 +5,7 @@ A format is known by what its files say, never by the ending of their names.
 
 from __future__ import annotations
 
+import functools
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,7 +17,7 @@ from rigsim.interop.formats.format import File
 from rigsim.interop.formats.kit.files import file_of, neighbours, read_file, siblings
 from rigsim.interop.formats.kit.reading import AS_IT_IS, Reading, RigFiles, RigReading, reading
 from rigsim.interop.formats.kit.recognise import (
-    Candidate,
+    FileSet,
     candidates,
     chosen,
     named,
@@ -151,7 +152,13 @@ def disparity_range(paths: Sequence[Path], grid: PixelGrid = AS_IT_IS) -> tuple[
     return low * scale, high * scale
 
 
-def _read(made: list[Candidate], said: RigReading, place: str) -> Reading:
+def _read(made: list[FileSet], said: RigReading, place: str) -> Reading:
+    return _read_once(tuple(made), said, place)
+
+
+@functools.lru_cache(maxsize=8)
+def _read_once(made: tuple[FileSet, ...], said: RigReading, place: str) -> Reading:
+    """One command reads a file several times, and what is odd about its lenses takes a while to find."""
     one, found = chosen(made, said.asked, place)
     try:
         return reading(found, one.format.name, said, one.files)
@@ -159,7 +166,7 @@ def _read(made: list[Candidate], said: RigReading, place: str) -> Reading:
         raise type(error)(f"{named(one.files)}: {error}") from None
 
 
-def _of_files(files: list[File]) -> list[Candidate]:
+def _of_files(files: list[File]) -> list[FileSet]:
     """The candidates that take all these files: they alone, or else they and their neighbours.
 
     Raises:
@@ -176,7 +183,7 @@ def _of_files(files: list[File]) -> list[Candidate]:
     return made
 
 
-def _in_folder(folder: Path) -> list[Candidate]:
+def _in_folder(folder: Path) -> list[FileSet]:
     """The candidates in a folder, or in the data set whose folder it is.
 
     Raises:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from rigsim.errors import InvalidRig
-from rigsim.interop.formats.values import read_text
 from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 
@@ -84,11 +83,6 @@ def swapped(rig: StereoRig) -> StereoRig:
     return StereoRig(rig.right, rig.left, rig.right_from_left.inverse)
 
 
-def _never(_: str) -> bool:
-    """Of a format of several files, none of which says enough."""
-    return False
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Format:
     """A calibration format."""
@@ -103,42 +97,15 @@ class Format:
     """The name that a folder with it is known by."""
     in_dataset: str = ""
     """The same of a data set of `rigsim.interop.files.dataset`: of its first frame, as all have the same."""
-    knows: Callable[[str], bool] = _never
-    """Whether a file's text is of this format."""
-    parse: Callable[[str], StereoRig] | None = None
-    """The rig in the text of its one file; None where it needs several."""
-    read: Callable[[Path], StereoRig] | None = None
-    """The rig in a file, where that is more than to parse it."""
-    names: tuple[str, ...] = ()
-    """Names that its files have whatever they say."""
-    write: Callable[[StereoRig], Mapping[str, str]] | None = None
-    """Its files' texts, by name, or `InvalidRig` where it cannot hold the rig; None where none is written."""
-    drawn_up: bool = False
-    """Whether a rig is taken as somebody drew it up: its right camera may lie on the left side."""
-    late: bool = False
-    """Whether it would take others' files, which use the same names: it gets those that are left."""
-    otherwise: tuple[str, ...] = ()
-    """Endings of which it takes the files that no format knows."""
-    groups: Callable[[Sequence[File]], list[tuple[File, ...]]] | None = None
+    groups: Callable[[Sequence[File]], list[tuple[File, ...]]] = field(kw_only=True)
     """The sets of these files that each make one rig of this format, known by content, in the order in which
     `open` takes them."""
-    open: Callable[[tuple[File, ...], Asked], Found] | None = None
+    open: Callable[[tuple[File, ...], Asked], Found] = field(kw_only=True)
     """The rig in one of `groups`' sets, or `InvalidRig` with one line that does not name the file."""
     lacks: Callable[[File], str | None] | None = None
     """What a file of this format lacks to make a rig, one line that does not name it; None where it is of
     another format, or lacks nothing."""
-
-    def rig(self, path: Path) -> StereoRig:
-        """The rig in the file at `path`.
-
-        Raises:
-            OutputError: a file cannot be read.
-            InvalidRig: it holds no rig that can be; the message names the file.
-        """
-        if self.read is not None:
-            return self.read(path)
-        assert self.parse is not None, self.name
-        try:
-            return self.parse(read_text(path))
-        except InvalidRig as error:
-            raise InvalidRig(f"{path}: {error}") from None
+    write: Callable[[StereoRig], Mapping[str, str]] | None = None
+    """Its files' texts, by name, or `InvalidRig` where it cannot hold the rig; None where none is written."""
+    late: bool = False
+    """Whether it would take others' files, which use the same names: it gets those that are left."""

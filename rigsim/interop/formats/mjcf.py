@@ -224,5 +224,4 @@ FORMAT = Format(
     groups=alone(lambda text: "<mujoco" in text),
     open=_open,
     write=lambda rig: {FILE_NAME: rig_xml(rig)},
-    drawn_up=True,
 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -14,7 +14,7 @@ from rigsim.interop.formats import (
     nerfstudio,
     rig_toml,
 )
-from rigsim.interop.formats.format import Asked, File, Format, Found
+from rigsim.interop.formats.format import Format
 from rigsim.interop.formats.kitti import kitti
 from rigsim.interop.formats.makers import matlab, oak, realsense, zed
 from rigsim.interop.formats.opencv import calibration as opencv
@@ -26,55 +26,26 @@ from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.export.approximate import nearest_rig
 
-
-def _by_name(format: Format) -> Format:
-    """A format that still tells its files by their names, as one that tells them by what they say."""
-    if format.groups is not None:
-        return format
-
-    def groups(files: Sequence[File]) -> list[tuple[File, ...]]:
-        if format.read is not None:
-            named = {file.name: file for file in files if file.name in format.names}
-            first = named.get(format.names[0])
-            if first is None:
-                return []
-            others = (named[name] for name in format.names[1:] if name in named)
-            return [(first, *others)]
-        must = {"mjcf": "<mujoco", "nerfstudio": '"transform_matrix"'}.get(format.name, "")
-        return [(file,) for file in files if must in file.text and format.knows(file.text)]
-
-    def opened(files: tuple[File, ...], asked: Asked) -> Found:
-        if format.read is not None:
-            return Found(format.read(files[0].path))
-        assert format.parse is not None, format.name
-        return Found(format.parse(files[0].text))
-
-    return replace(format, groups=groups, open=opened)
-
-
-ALL: tuple[Format, ...] = tuple(
-    _by_name(format)
-    for format in (
-        rig_toml.FORMAT,
-        opencv.FORMAT,
-        ros.FORMAT,
-        kalibr.FORMAT,
-        basalt.FORMAT,
-        euroc.FORMAT,
-        vins.FORMAT,
-        orbslam.FORMAT,
-        middlebury.FORMAT,
-        kitti.FORMAT,
-        colmap.FORMAT,
-        mjcf.FORMAT,
-        nerfstudio.FORMAT,
-        oak.FORMAT,
-        realsense.FORMAT,
-        zed.FORMAT,
-        matlab.FORMAT,
-        mrcal.FORMAT,
-        metashape.FORMAT,
-    )
+ALL: tuple[Format, ...] = (
+    rig_toml.FORMAT,
+    opencv.FORMAT,
+    ros.FORMAT,
+    kalibr.FORMAT,
+    basalt.FORMAT,
+    euroc.FORMAT,
+    vins.FORMAT,
+    orbslam.FORMAT,
+    middlebury.FORMAT,
+    kitti.FORMAT,
+    colmap.FORMAT,
+    mjcf.FORMAT,
+    nerfstudio.FORMAT,
+    oak.FORMAT,
+    realsense.FORMAT,
+    zed.FORMAT,
+    matlab.FORMAT,
+    mrcal.FORMAT,
+    metashape.FORMAT,
 )
 """All that are read."""
 

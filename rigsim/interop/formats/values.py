@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 import reprlib
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rigsim import foreign
-from rigsim.errors import InvalidRig, OutputError
+from rigsim.errors import InvalidRig
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.distortion import BrownConrady
@@ -49,18 +47,6 @@ def real(value: float) -> str:
 def reals(values: Iterable[float]) -> str:
     """Numbers between commas, as in a YAML or JSON list without its brackets."""
     return ", ".join(real(float(value)) for value in values)
-
-
-def read_text(path: Path) -> str:
-    """The text of a calibration file.
-
-    Raises:
-        OutputError: it cannot be read, or is no text.
-    """
-    try:
-        return foreign.read_text(path, "a calibration file")
-    except UnicodeDecodeError:
-        raise OutputError(f"{path}: is no calibration (not UTF-8 text)") from None
 
 
 def member(table: object, key: str, owner: str = "") -> object:

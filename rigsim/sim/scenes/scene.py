@@ -5,6 +5,8 @@ MuJoCo's camera axes (x right, y up, z backward) end in this room; poses that le
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -147,6 +149,18 @@ class Scene:
         camera_id = self.camera_ids[side]
         R = self.data.cam_xmat[camera_id].reshape(3, 3) @ CV_FROM_GL
         return Pose(R, self.data.cam_xpos[camera_id].copy())
+
+    @contextmanager
+    def turned(self, side: int, camera_from_face: Array | None) -> Iterator[None]:
+        """For a while, the left (0) or right (1) camera has the axes (3, 3) of a face of its cube."""
+        held = self.data.cam_xmat[self.camera_ids[side]]
+        before = held.copy()
+        if camera_from_face is not None:
+            held[:] = (before.reshape(3, 3) @ CV_FROM_GL @ camera_from_face @ CV_FROM_GL).ravel()
+        try:
+            yield
+        finally:
+            held[:] = before
 
     def lens(self, side: int) -> Intrinsics:
         """Intrinsics of the left (0) or right (1) camera of the placed rig."""

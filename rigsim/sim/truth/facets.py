@@ -16,6 +16,7 @@ import numpy as np
 from rigsim.rig.arrays import Array, Ids
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.pose import Pose
+from rigsim.sim.faces import field
 
 LEVELS: tuple[int, ...] = (16, 32, 64, 128, 256)
 """Numbers of slices, coarsest first."""
@@ -69,15 +70,16 @@ def radii_px(model: Any, data: Any, world_from_camera: Pose, lens: Intrinsics) -
     round_m = np.where(model.geom_type == mujoco.mjtGeom.mjGEOM_ELLIPSOID, size.max(axis=1), size[:, 0])
     offset_camera = world_from_camera.inverse.apply(data.geom_xpos)
     distance = np.maximum(np.linalg.norm(offset_camera, axis=1), 1e-9)
-    wide = math.atan(
-        math.hypot(
-            max(lens.cx, lens.width - lens.cx) / lens.fx, max(lens.cy, lens.height - lens.cy) / lens.fy
-        )
-    )
     off_axis = np.arccos(np.clip(offset_camera[:, 2] / distance, -1, 1))
     about = np.arcsin(np.clip(model.geom_rbound / distance, 0, 1))
     nearest = np.maximum(distance - model.geom_rbound, 1e-3)
-    radius = round_m * max(lens.fx, lens.fy) / nearest / np.cos(np.minimum(off_axis, wide)) ** 2
+    if lens.is_wide:
+        wide, scale_px = field(lens)
+        radius = round_m * scale_px / nearest
+    else:
+        x, y = max(lens.cx, lens.width - lens.cx) / lens.fx, max(lens.cy, lens.height - lens.cy) / lens.fy
+        wide = math.atan(math.hypot(x, y))
+        radius = round_m * max(lens.fx, lens.fy) / nearest / np.cos(np.minimum(off_axis, wide)) ** 2
     most = 2 * SAG_PX * (_UNSEEN / math.pi) ** 2
     in_sight = (off_axis - about < wide) | (about >= math.pi / 2)
     return np.asarray(np.where(in_sight, radius, np.minimum(radius, most)))

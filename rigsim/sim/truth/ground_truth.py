@@ -11,7 +11,7 @@ from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.scenes.scene import Scene
 from rigsim.sim.truth import rays
-from rigsim.sim.truth.points import Coverage, GroundTruth, balanced, spread_over
+from rigsim.sim.truth.points import Coverage, GroundTruth, away, balanced, spread_over
 
 _OVERSAMPLING = 8
 _MIN_CANDIDATES = 1 << 14
@@ -47,7 +47,8 @@ def sample_truth(
     n_candidates = max(_OVERSAMPLING * n_points, _MIN_CANDIDATES)
     corner = np.array([-0.5, -0.5])
     uv = corner + rng.random((n_candidates, 2)) * (rig.left.width, rig.left.height)
-    depth, geom = rays.depth_at(scene, 0, uv)
+    points_left, geom = rays.hits_at(scene, 0, uv)
+    depth = away(rig.left, points_left)
     kept = np.isfinite(depth)
     if not kept.any():
         raise NothingSeen(f"scene {scene.name}: the left camera at {scene.mount} sees nothing")
@@ -60,10 +61,10 @@ def sample_truth(
             f"scene {scene.name}: nothing between {range_m[0]:g} and {range_m[1]:g} m; "
             f"the left camera sees {seen}"
         )
-    uv, depth, geom = uv[kept], depth[kept], geom[kept]
-    chosen = balanced(depth, n_points)
-    uv, depth, geom = uv[chosen], depth[chosen], geom[chosen]
-    points_left, in_right_image, visible_right = _seen_right(scene, rig, uv, depth)
+    uv, points_left, geom = uv[kept], points_left[kept], geom[kept]
+    chosen = balanced(depth[kept], n_points)
+    uv, points_left, geom = uv[chosen], points_left[chosen], geom[chosen]
+    in_right_image, visible_right = _seen_right(scene, rig, points_left)
     return GroundTruth(
         points_left=points_left,
         visible_left=rig.left.contains(uv)
@@ -77,9 +78,10 @@ def sample_truth(
 
 def _coverage(scene: Scene, rig: StereoRig, range_m: tuple[float, float]) -> Coverage:
     uv = spread_over(rig.left.width, rig.left.height, _COVERAGE_RAYS)
-    depth, _ = rays.depth_at(scene, 0, uv)
+    points_left, _ = rays.hits_at(scene, 0, uv)
+    depth = away(rig.left, points_left)
     inside = (depth >= range_m[0]) & (depth <= range_m[1])
-    _, in_right_image, visible_right = _seen_right(scene, rig, uv[inside], depth[inside])
+    in_right_image, visible_right = _seen_right(scene, rig, points_left[inside])
     return Coverage(
         n_rays=len(uv),
         beyond=int((depth > range_m[1]).sum()),
@@ -89,14 +91,13 @@ def _coverage(scene: Scene, rig: StereoRig, range_m: tuple[float, float]) -> Cov
     )
 
 
-def _seen_right(scene: Scene, rig: StereoRig, uv: Array, depth: Array) -> tuple[Array, Mask, Mask]:
-    """Points (N, 3) at left pixels and depths; whether the right image holds them, and shows them."""
-    points_left = np.column_stack([rig.left.normalize(uv), np.ones(len(uv))]) * depth[:, None]
+def _seen_right(scene: Scene, rig: StereoRig, points_left: Array) -> tuple[Mask, Mask]:
+    """Whether the right image holds points (N, 3), and shows them."""
     _, uv_right = rig.project(points_left)
     held = rig.right.contains(uv_right)
     shown = held.copy()
     shown[held] = rays.sees(scene, 1, scene.world_from_camera(0).apply(points_left[held]))
-    return points_left, held, shown
+    return held, shown
 
 
 def points_at(scene: Scene, uv_left: Array) -> tuple[Array, Mask]:
@@ -108,6 +109,5 @@ def points_at(scene: Scene, uv_left: Array) -> tuple[Array, Mask]:
     rig = scene.rig
     if rig is None:
         raise InvalidScene(f"scene {scene.name}: no rig was placed in it")
-    depth, _ = rays.depth_at(scene, 0, uv_left)
-    points_left, _, visible = _seen_right(scene, rig, uv_left, depth)
-    return points_left, visible
+    points_left, _ = rays.hits_at(scene, 0, uv_left)
+    return points_left, _seen_right(scene, rig, points_left)[1]

@@ -9,7 +9,7 @@ from rigsim.rig.arrays import Array, Ids
 from rigsim.rig.remark import Remark
 from rigsim.sim.scenes.scene import NEAR_M, SIDES, Scene
 from rigsim.sim.truth import rays
-from rigsim.sim.truth.points import depth_edges_m
+from rigsim.sim.truth.points import away, depth_edges_m, directions
 
 _COLUMNS, _ROWS = 41, 31
 _CLOSE_M = 0.02  # nearer than stereo cameras focus and match
@@ -25,12 +25,12 @@ def look_around(scene: Scene) -> list[Remark]:
         NothingSeen: a camera lies in a surface, so that its picture would be empty.
     """
     remarks = _surrounded(scene)
-    views = [_probe(scene, side) for side in (0, 1)]
-    for side, (depth, geom) in enumerate(views):
-        _check_free(scene, side, depth, geom)
-    for side, (depth, geom) in enumerate(views):
-        remarks += _close(scene, side, depth, geom)
-    remarks += _sky(scene, views)
+    views = [rays.hits_at(scene, side, _grid(scene, side)) for side in (0, 1)]
+    for side, (points, geom) in enumerate(views):
+        _check_free(scene, side, away(scene.lens(side), points), geom)
+    for side, (points, geom) in enumerate(views):
+        remarks += _close(scene, side, away(scene.lens(side), points), geom)
+    remarks += _sky(scene, [geom for _, geom in views])
     remarks += _hidden(scene, views[0][0])
     return remarks
 
@@ -42,10 +42,6 @@ def _grid(scene: Scene, side: int) -> Array:
         np.linspace(-0.5, lens.width - 0.5, _COLUMNS), np.linspace(-0.5, lens.height - 0.5, _ROWS)
     )
     return np.column_stack([u.ravel(), v.ravel()])
-
-
-def _probe(scene: Scene, side: int) -> tuple[Array, Ids]:
-    return rays.depth_at(scene, side, _grid(scene, side))
 
 
 def _surrounded(scene: Scene) -> list[Remark]:
@@ -90,8 +86,9 @@ def _close(scene: Scene, side: int, depth: Array, geom: Ids) -> list[Remark]:
     return [_remark(scene, "near_surface", text)]
 
 
-def _sky(scene: Scene, views: list[tuple[Array, Ids]]) -> list[Remark]:
-    share = max(float(np.isnan(depth).mean()) for depth, _ in views)
+def _sky(scene: Scene, geoms: list[Ids]) -> list[Remark]:
+    shown = [np.isfinite(directions(scene.lens(side), _grid(scene, side))[:, 2]) for side in (0, 1)]
+    share = max(float(((geom < 0) & seen).mean()) for geom, seen in zip(geoms, shown, strict=True))
     if not scene.sky or share == 0:
         return []
     text = (
@@ -101,13 +98,12 @@ def _sky(scene: Scene, views: list[tuple[Array, Ids]]) -> list[Remark]:
     return [_remark(scene, "skybox", text)]
 
 
-def _hidden(scene: Scene, depth: Array) -> list[Remark]:
+def _hidden(scene: Scene, points_left: Array) -> list[Remark]:
     """A bin of depth of which the right camera sees next to nothing, as behind a grid."""
     rig = scene.rig
     assert rig is not None
-    hit = np.isfinite(depth)
-    uv, depth = _grid(scene, 0)[hit], depth[hit]
-    points_left = np.column_stack([rig.left.normalize(uv), np.ones(len(uv))]) * depth[:, None]
+    points_left = points_left[np.isfinite(points_left[:, 2])]
+    depth = away(rig.left, points_left)
     both = rig.right.contains(rig.project(points_left)[1])
     if not both.any():
         return []

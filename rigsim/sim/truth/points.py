@@ -10,6 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from rigsim.rig.arrays import Array, Ids, Mask
+from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.lens.lens import ahead
 
 Counts: TypeAlias = npt.NDArray[np.int64]
 # Renard's R10: ten steps a decade, the numbers people use
@@ -57,6 +59,25 @@ class GroundTruth:
     def visible(self) -> Mask:
         """Seen by both cameras, (N,)."""
         return self.visible_left & self.visible_right
+
+
+def directions(camera: Intrinsics, uv: Array) -> Array:
+    """Rays (N, 3) of pixels (N, 2) in the camera's frame: z is 1, or their length where a lens knows rays
+    90 degrees and more off the axis; NaN where it shows nothing."""
+    return camera.ray(uv) if camera.is_wide else ahead(camera.normalize(uv))
+
+
+def at_depth(camera: Intrinsics, uv: Array, depth_m: Array) -> Array:
+    """Points (N, 3) m in the camera's frame of pixels (N, 2) and their depths along the axis (N,)."""
+    rays = directions(camera, uv)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(rays * (depth_m / rays[:, 2])[:, None])
+
+
+def away(camera: Intrinsics, points: Array) -> Array:
+    """How far points (N, 3) are from the camera, (N,), m: their depth; their range where a lens looks past 90
+    degrees, and depth says little."""
+    return np.asarray(np.linalg.norm(points, axis=1) if camera.is_wide else points[:, 2])
 
 
 def depth_edges_m(near_m: float, far_m: float) -> Array:

@@ -12,6 +12,7 @@ from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.pose import Pose
 from rigsim.sim.scenes.scene import Scene
 from rigsim.sim.supersampling import box_average
+from rigsim.sim.truth.points import directions
 
 _BLOCK = 1 << 18
 _SURFACE = 1 - 1e-6
@@ -25,13 +26,16 @@ def cast(scene: Scene, origin_world: Array, directions_world: Array) -> tuple[Ar
     Args:
         scene: the scene.
         origin_world: common start, (3,), m.
-        directions_world: (N, 3), any length.
+        directions_world: (N, 3), any length; NaN is a miss.
 
     Returns:
         Distance in units of the direction's length (N,), NaN for a miss; geom id (N,), -1 for a
         miss; outward normal (N, 3), world.
     """
     n = len(directions_world)
+    blind: Mask = np.asarray(np.isnan(directions_world).any(axis=1))
+    if blind.any():  # what MuJoCo makes of NaN is its own affair
+        directions_world = np.where(blind[:, None], 1.0, directions_world)
     distance, normal = np.empty(n), np.empty((n, 3))
     geom = np.empty(n, dtype=np.int32)
     groups = scene.geom_groups
@@ -55,6 +59,7 @@ def cast(scene: Scene, origin_world: Array, directions_world: Array) -> tuple[Ar
             mujoco.mjMAXVAL,
         )
         normal[part] = block_normal.reshape(-1, 3)
+    geom[blind] = -1
     distance[geom < 0] = np.nan
     return distance, geom, normal
 
@@ -62,11 +67,16 @@ def cast(scene: Scene, origin_world: Array, directions_world: Array) -> tuple[Ar
 def depth_at(scene: Scene, side: int, uv: Array, lens: Intrinsics | None = None) -> tuple[Array, Ids]:
     """Depth (N,) m and geom id (N,) at pixel positions (N, 2) of the left (0) or right (1) camera; through
     `lens` where it is not the placed rig's own."""
+    points, geom = hits_at(scene, side, uv, lens)
+    return points[:, 2], geom
+
+
+def hits_at(scene: Scene, side: int, uv: Array, lens: Intrinsics | None = None) -> tuple[Array, Ids]:
+    """Points (N, 3) m in the camera's frame, NaN for nothing, and geom ids (N,); as `depth_at`."""
     world_from_camera = scene.world_from_camera(side)
-    rays_camera = np.column_stack([(lens or scene.lens(side)).normalize(uv), np.ones(len(uv))])
-    # the ray's z is 1, so its length is counted in depth
-    depth, geom, _ = cast(scene, world_from_camera.t, rays_camera @ world_from_camera.R.T)
-    return depth, geom
+    rays_camera = directions(lens or scene.lens(side), uv)
+    distance, geom, _ = cast(scene, world_from_camera.t, rays_camera @ world_from_camera.R.T)
+    return rays_camera * distance[:, None], geom
 
 
 def sees(scene: Scene, side: int, points_world: Array) -> Mask:
@@ -87,10 +97,15 @@ class RayRenderer:
         self._scene = scene
         self._colors = _geom_colors(scene.model)
 
-    def light(self, side: int, lens: Intrinsics, supersample: int) -> Light:
-        """Linear light (H, W, 3) that falls on the left (0) or right (1) camera through `lens`."""
+    def light(
+        self, side: int, lens: Intrinsics, supersample: int, camera_from_face: Array | None = None
+    ) -> Light:
+        """Linear light (H, W, 3) that falls on the left (0) or right (1) camera through `lens`; black where a
+        lens shows nothing."""
         fine = lens.supersampled(supersample)
         world_from_camera = self._scene.world_from_camera(side)
+        if camera_from_face is not None:
+            world_from_camera = Pose(world_from_camera.R @ camera_from_face, world_from_camera.t)
         light = np.zeros((lens.height, lens.width, 3), dtype=np.float32)
         rows = max(1, _BLOCK // fine.width // supersample) * supersample
         for top in range(0, fine.height, rows):
@@ -117,6 +132,7 @@ class RayRenderer:
         facing = np.abs(np.einsum("ij,ij->i", normal_camera, rays_camera)) / length
         color = self._colors[geom] * (_AMBIENT + (1 - _AMBIENT) * facing)[:, None]
         color[geom < 0] = _SKY
+        color[np.isnan(rays_camera[:, 2])] = 0.0
         return np.asarray(np.clip(color, 0.0, 1.0))
 
 
@@ -125,15 +141,15 @@ def depth_picture(scene: Scene, side: int, lens: Intrinsics | None = None) -> tu
     it is not the placed rig's own."""
     lens, world_from_camera = lens or scene.lens(side), scene.world_from_camera(side)
     rays_camera = _pixel_rays(lens, slice(0, lens.height))
-    depth, geom, _ = cast(scene, world_from_camera.t, rays_camera @ world_from_camera.R.T)
+    distance, geom, _ = cast(scene, world_from_camera.t, rays_camera @ world_from_camera.R.T)
     shape = (lens.height, lens.width)
-    return depth.reshape(shape), geom.reshape(shape)
+    return (distance * rays_camera[:, 2]).reshape(shape), geom.reshape(shape)
 
 
 def _pixel_rays(lens: Intrinsics, rows: slice) -> Array:
     v, u = np.mgrid[rows, : lens.width]
     uv = np.column_stack([u.ravel(), v.ravel()]).astype(np.float64)
-    return np.column_stack([lens.normalize(uv), np.ones(len(uv))])
+    return directions(lens, uv)
 
 
 def _geom_colors(model: Any) -> Array:

@@ -15,6 +15,7 @@ from rigsim.rig.pose import Pose
 from rigsim.rig.sensor import Sensor
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import SUPERSAMPLE, Simulator
+from rigsim.sim.truth.points import at_depth
 from rigsim.study.scene.pictures import Pictures, expose_pair
 
 MOVE_SHARE = 0.05
@@ -60,10 +61,9 @@ class DatasetFrame:
         depth = self.depth_left[::step, ::step]
         v, u = np.nonzero(np.isfinite(depth))
         uv = step * np.column_stack([u, v]).astype(np.float64)
-        rays = np.column_stack([self.rig.left.normalize(uv), np.ones(len(uv))])
         image = self.pictures.left[::step, ::step][v, u]
         grey = image if image.dtype == np.uint8 else image >> 8
-        return rays * depth[v, u][:, None], np.repeat(grey.astype(np.uint8)[:, None], 3, axis=1)
+        return at_depth(self.rig.left, uv, depth[v, u]), np.repeat(grey.astype(np.uint8)[:, None], 3, axis=1)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

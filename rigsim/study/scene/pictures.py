@@ -13,6 +13,7 @@ from rigsim.rig.lens.lens import Lens
 from rigsim.rig.sensor import Sensor, Side
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.exposure import digitise, optics
+from rigsim.sim.faces import needs_faces
 from rigsim.sim.frame import StereoFrame
 from rigsim.sim.lens import rectify_image, wider_intrinsics
 from rigsim.sim.simulator import Simulator
@@ -69,8 +70,8 @@ def without_noise(sensor: Sensor) -> Sensor:
 def expose_pair(simulator: Simulator, rig: StereoRig, sensor: Sensor, supersample: int) -> Exposure:
     """Draw both views of the placed rig through the sensor's lens; the sensor is monochrome.
 
-    A lens blurs before pixels sample, and one that distorts cannot be drawn: then a finer, and where
-    needed wider, pinhole picture is drawn and resampled.
+    A lens blurs before pixels sample, and no renderer knows one that distorts: then a finer picture is drawn,
+    where one pinhole is enough a wider one that is resampled after the blur.
 
     Args:
         simulator: the scene, with `rig` placed in it.
@@ -89,16 +90,17 @@ def expose_pair(simulator: Simulator, rig: StereoRig, sensor: Sensor, supersampl
         grey = [_grey(view.light) for view in (frame.left, frame.right)]
         light = [optics(part, sensor, side) for part, side in zip(grey, _SIDES, strict=True)]
         return Exposure(frame, (light[0], light[1]), cameras, rig)
+    resampled = [distorts and not needs_faces(camera) for camera in cameras]
     drawn = [
-        wider_intrinsics(camera, supersample) if distorts else camera.supersampled(supersample)
-        for camera in cameras
+        wider_intrinsics(camera, supersample) if later else camera.supersampled(supersample)
+        for camera, later in zip(cameras, resampled, strict=True)
     ]
     frame = simulator.render(1, (drawn[0], drawn[1]))
     light, views = [], []
-    for side, view, fine, camera in zip(_SIDES, (frame.left, frame.right), drawn, cameras, strict=True):
-        geometry = {"wide": fine, "camera": camera} if distorts else {}
-        light.append(optics(_grey(view.light), sensor, side, supersample=supersample, **geometry))
-        views.append(replace(view, light=_for_looking(view.light, light[-1], distorts, supersample)))
+    for i, view in enumerate((frame.left, frame.right)):
+        geometry = {"wide": drawn[i], "camera": cameras[i]} if resampled[i] else {}
+        light.append(optics(_grey(view.light), sensor, _SIDES[i], supersample=supersample, **geometry))
+        views.append(replace(view, light=_for_looking(view.light, light[-1], resampled[i], supersample)))
     return Exposure(StereoFrame(views[0], views[1]), (light[0], light[1]), cameras if distorts else own, rig)
 
 

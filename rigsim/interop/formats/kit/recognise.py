@@ -20,7 +20,7 @@ _SAME_FOCAL, _SAME_BASELINE, _SAME_TURN = 2e-3, 2e-3, 2e-3
 
 
 @dataclass(frozen=True, slots=True)
-class Candidate:
+class FileSet:
     """Files that make a rig of a format."""
 
     format: Format
@@ -44,30 +44,28 @@ class Candidate:
         Raises:
             InvalidRig: it holds no rig that can be; the message does not name the files.
         """
-        assert self.format.open is not None, self.format.name
         return self.format.open(self.files, asked)
 
 
-def candidates(files: Sequence[File]) -> list[Candidate]:
+def candidates(files: Sequence[File]) -> list[FileSet]:
     """Every set of these files that makes a rig of a format."""
     made = []
     for format in registry.ALL:
-        assert format.groups is not None, format.name
         try:
-            made += [Candidate(format, tuple(group)) for group in format.groups(files)]
+            made += [FileSet(format, tuple(group)) for group in format.groups(files)]
         except InvalidRig:  # a neighbour that cannot be read is nobody's
             continue
     taken = {path for one in made if not one.format.late for path in one.paths}
     return [one for one in made if not (one.format.late and one.paths & taken)]
 
 
-def with_all(made: Iterable[Candidate], files: Sequence[File]) -> list[Candidate]:
+def with_all(made: Iterable[FileSet], files: Sequence[File]) -> list[FileSet]:
     """Those that take all of `files`."""
     paths = {file.path for file in files}
     return [one for one in made if paths <= one.paths]
 
 
-def chosen(made: Sequence[Candidate], asked: Asked, place: str) -> tuple[Candidate, Found]:
+def chosen(made: Sequence[FileSet], asked: Asked, place: str) -> tuple[FileSet, Found]:
     """The one candidate there is, or the best of several that say the same.
 
     Args:
@@ -79,8 +77,8 @@ def chosen(made: Sequence[Candidate], asked: Asked, place: str) -> tuple[Candida
         InvalidRig: none holds a rig that can be.
         OutputError: they are several rigs.
     """
-    opened: list[tuple[Candidate, Found]] = []
-    failed: list[tuple[Candidate, RigsimError]] = []
+    opened: list[tuple[FileSet, Found]] = []
+    failed: list[tuple[FileSet, RigsimError]] = []
     for one in made:
         try:
             opened.append((one, one.found(asked)))
