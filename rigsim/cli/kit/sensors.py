@@ -76,6 +76,6 @@ def sensor_of(rig: RigFiles | None) -> Sensor | None:
     """The sensor that a rig's file says it has; None where there is no file, or none in it."""
     if rig is None:
         return None
-    from rigsim.interop.formats.calibration import calibration_sensor
+    from rigsim.interop.formats.calibration import calibration_sensor, paths_of
 
-    return calibration_sensor(rig.paths)
+    return calibration_sensor(paths_of(rig))
