@@ -31,8 +31,9 @@ def with_lens_of_mount(rig: StereoRig, scene: str, mount: str | None) -> tuple[S
     if camera is None:
         return None
     lens = camera.intrinsics(*(camera.size_px or (rig.left.width, rig.left.height)))
-    text = (
+    remark = Remark(
+        "lens",
         f"both lenses are those of the scene's camera {name}: {lens.hfov_deg:.4g} deg across"
-        f" {lens.width}x{lens.height} px; give another by --focal, --hfov, --preset or --rig"
+        f" {lens.width}x{lens.height} px; give another by --focal, --hfov, --preset or --rig",
     )
-    return StereoRig(lens, lens, rig.right_from_left), Remark("lens", text)
+    return StereoRig(lens, lens, rig.right_from_left), remark
