@@ -40,7 +40,7 @@ COMMANDS = {
     ),
     "rig": lazy.Command(
         "rigsim.cli.rig:rig",
-        "Say what a calibration file's rig is, and what is odd about it.",
+        "Say what a calibration's rig is, and what is odd about it: each remark with its reason and cure.",
     ),
     "measure": lazy.Command(
         "rigsim.cli.measure:measure",

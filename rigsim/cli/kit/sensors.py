@@ -14,6 +14,8 @@ import typer
 from rigsim.typed import quantity
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from rigsim.interop.formats.kit.reading import RigFiles
     from rigsim.rig.sensor import Sensor
 
@@ -42,7 +44,7 @@ _READ_NOISE = quantity.QuantityKind("read noise", "e", _ELECTRONS, at_least=0)
 
 def sensor_words(
     name: str | None = None,
-    rig: RigFiles | None = None,
+    rig: RigFiles | Path | None = None,
     *,
     blur: str | None = None,
     image_noise: str | None = None,
@@ -72,10 +74,10 @@ def sensor_words(
     }
 
 
-def sensor_of(rig: RigFiles | None) -> Sensor | None:
+def sensor_of(rig: RigFiles | Path | None) -> Sensor | None:
     """The sensor that a rig's file says it has; None where there is no file, or none in it."""
     if rig is None:
         return None
-    from rigsim.interop.formats.calibration import calibration_sensor
+    from rigsim.interop.formats.calibration import calibration_sensor, paths_of
 
-    return calibration_sensor(rig.paths)
+    return calibration_sensor(paths_of(rig))
