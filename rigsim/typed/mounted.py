@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from rigsim.rig.remark import Remark
+from rigsim.typed import quantity
 from rigsim.typed.rigs import RigOptions
 
 
@@ -29,5 +30,14 @@ def mounted(options: RigOptions, scene: str, mount: str | None) -> tuple[RigOpti
         return options, ()
     from rigsim.study.scene.mounted import with_lens_of_mount
 
-    found = with_lens_of_mount(options.base(scene), scene, mount)
-    return (options, ()) if found is None else (replace(options, read=found[0]), (found[1],))
+    sizes = () if options.resolution is None else quantity.resolutions(options.resolution)
+    size = sizes[0] if len(sizes) == 1 else None
+    rig = with_lens_of_mount(options.base(scene), scene, mount, size)
+    if rig is None:
+        return options, ()
+    lens = rig.left
+    text = (
+        f"both lenses are those of the scene's camera {mount.partition(':')[2]}: {lens.hfov_deg:.4g} deg"
+        f" across {lens.width}x{lens.height} px; give another by --focal, --hfov, --preset or --rig"
+    )
+    return replace(options, read=rig), (Remark("lens", text),)

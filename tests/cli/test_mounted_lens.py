@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from rigsim.cli.app import run
+from rigsim.interop.formats.calibration import read_calibration
 
 SCENE = """<mujoco><worldbody><light pos="0 0 3"/><geom type="plane" size="9 9 .1"/>
 <camera name="eye" pos="0 -2 1" xyaxes="1 0 0 0 0 1" fovy="40" resolution="80 60"/>
@@ -34,3 +35,14 @@ def test_the_camera_s_own_lens_unless_another_is_given(
     assert document["rig"]["baseline_mm"] == pytest.approx(70)
     expected = 50.0 if words else math.degrees(2 * math.atan(4 / 3 * math.tan(math.radians(20))))
     assert document["rig"]["hfov_deg"] == pytest.approx(expected, abs=0.01)
+
+
+def test_a_camera_without_a_resolution_keeps_its_height_s_field(tmp_path: Path) -> None:
+    scene = tmp_path / "scene.xml"
+    scene.write_text(SCENE.replace(' resolution="80 60"', ""))
+    typed = ["render", "--scene", str(scene), "--mount", "camera:eye", "--renderer", "rays"]
+    assert run([*typed, "--resolution", "90x60", "--out", str(tmp_path / "out")]) == 0
+    lens = read_calibration(tmp_path / "out" / "rig.toml").left
+    # 20 degrees to each side of the height, whatever the width
+    assert (lens.width, lens.height) == (90, 60)
+    assert lens.fx == lens.fy == pytest.approx(30 / math.tan(math.radians(20)))

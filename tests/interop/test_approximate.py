@@ -69,7 +69,7 @@ def test_the_way_out_is_named_and_leads_out(tmp_path: Path, capsys: pytest.Captu
     own = camera(FieldOfView(0.9))
     rig = StereoRig.rectified(own, 0.1)
     with pytest.raises(
-        InvalidRig, match=r"hold this rig: colmap; or fit its nearest lens with --approximate"
+        InvalidRig, match=r"hold this rig: kalibr, basalt, colmap; or fit its nearest lens with --approximate"
     ):
         rig_files(rig, "opencv")
     (tmp_path / "rig.toml").write_text(write_rig(rig))

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rigsim.errors import OutputError, RigsimError
+from rigsim.errors import InvalidRig, OutputError, RigsimError
 from rigsim.interop.formats import middlebury, registry, rig_toml
 from rigsim.interop.formats.format import File
 from rigsim.interop.formats.kit.files import file_of, neighbours, read_file, siblings
@@ -160,6 +160,9 @@ def _read(made: list[FileSet], said: RigReading, place: str) -> Reading:
 def _read_once(made: tuple[FileSet, ...], said: RigReading, place: str) -> Reading:
     """One command reads a file several times, and what is odd about its lenses takes a while to find."""
     one, found = chosen(made, said.asked, place)
+    if said.mode is not None and not one.format.has_modes:
+        mode = f"mode {said.mode[:30]!r}"
+        raise InvalidRig(f"{named(one.files)}: {mode}: {one.format.name} has no modes; leave --rig-mode out")
     try:
         return reading(found, one.format.name, said, one.files)
     except RigsimError as error:

@@ -107,5 +107,7 @@ class Format:
     another format, or lacks nothing."""
     write: Callable[[StereoRig], Mapping[str, str]] | None = None
     """Its files' texts, by name, or `InvalidRig` where it cannot hold the rig; None where none is written."""
+    has_modes: bool = False
+    """Whether its files may hold several modes, of which ``--rig-mode`` chooses one."""
     late: bool = False
     """Whether it would take others' files, which use the same names: it gets those that are left."""

@@ -120,6 +120,11 @@ def test_cameras_that_there_are_not() -> None:
         parse(text(-0.06), RigReading(cameras=("cam4", "cam5")))
 
 
+def test_a_mode_that_there_is_not() -> None:
+    with pytest.raises(InvalidRig, match="mode 'HD': opencv has no modes; leave --rig-mode out"):
+        parse(text(-0.06), RigReading(mode="HD"))
+
+
 def test_several_files(tmp_path: Path) -> None:
     (tmp_path / "a.yml").write_text(text(-0.06))
     (tmp_path / "b.txt").write_bytes(rig_files(parse(text(-0.06)).rig, "kalibr")["camchain.yaml"])

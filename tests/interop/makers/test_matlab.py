@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 from typing import Any
 
@@ -12,6 +13,7 @@ from scipy.io import savemat
 
 from rigsim.errors import InvalidRig
 from rigsim.interop.formats.format import Asked
+from rigsim.interop.formats.makers.mat5 import mat5_variables
 from rigsim.interop.formats.makers.matlab import FORMAT
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.distortion import BrownConrady
@@ -96,6 +98,26 @@ def test_without_a_size() -> None:
     content = saved(**OLD | {"CameraParameters1": bare, "CameraParameters2": bare})
     assert [remark.code for remark in read(FORMAT, content).remarks] == ["no_size"]
     assert read(FORMAT, content, asked=Asked(size_px=(700, 500))).rig.left.width == 700
+
+
+def test_whatever_is_cut_or_changed_is_one_line() -> None:
+    content = saved(**OLD)
+    for place in range(128, len(content), 7):
+        for broken in (
+            content[:place],
+            content[:place] + bytes([255 - content[place]]) + content[place + 1 :],
+        ):
+            with contextlib.suppress(InvalidRig):
+                assert read(FORMAT, broken).rig.baseline_m > 0
+
+
+def test_every_class_of_numbers_is_read() -> None:
+    for kind in ("i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8", "i8", "u8", "?"):
+        values = np.array([[1, 0, 1], [0, 1, 100 if kind != "?" else 1]]).astype(kind)
+        found = mat5_variables(saved(inner={"values": values, "text": "mm", "cell": [1.0]}))["s"]
+        assert isinstance(found, dict)
+        np.testing.assert_array_equal(found["inner"]["values"], values)
+        assert found["inner"]["text"] == "mm"
 
 
 @pytest.mark.parametrize(

@@ -9,16 +9,13 @@ and ``TranslationOfCamera2`` say ``x2 = x1 R + t``. ``K`` and ``PoseCamera2`` (2
 
 from __future__ import annotations
 
-import io
-import struct
-import zlib
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
 from rigsim.errors import InvalidRig
 from rigsim.interop.formats.format import Asked, File, Format, Found
+from rigsim.interop.formats.makers.mat5 import mat5_variables
 from rigsim.interop.formats.tables.terms import opencv_lens
 from rigsim.interop.formats.values import (
     clipped,
@@ -38,8 +35,6 @@ from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 
 _MAGIC = (b"MATLAB 5.0 MAT-file", b"MATLAB 7.3 MAT-file")
-_MOST_BYTES = 50_000_000
-_COMPRESSED = 15
 _METRES = {
     **dict.fromkeys(("m", "meter", "meters", "metre", "metres"), 1.0),
     **dict.fromkeys(("cm", "centimeter", "centimeters", "centimetres"), 1e-2),
@@ -78,32 +73,7 @@ def _variables(content: bytes) -> Mapping[str, object]:
     """The variables of a MAT-file of version 5."""
     if content.startswith(_MAGIC[1]):
         raise InvalidRig(f"is a MAT-file of version 7.3 (HDF5), which is not read: save(..., '-v7'): {_SAVE}")
-    _check_size(content)
-    from scipy.io import loadmat
-
-    file: Any = io.BytesIO(content)  # scipy's stubs know paths alone
-    try:
-        found = loadmat(file, simplify_cells=True)
-    except Exception as error:  # of a broken file it raises whatever it comes across
-        raise InvalidRig(f"is no whole MAT-file: {clipped(str(error))}") from None
-    return {str(key): value for key, value in found.items() if not str(key).startswith("__")}
-
-
-def _check_size(content: bytes) -> None:
-    """Refuse a file whose variables would unpack to more than is meant."""
-    order = ">" if content[126:128] == b"MI" else "<"
-    place, total = 128, 0
-    while place + 8 <= len(content):
-        kind, length = struct.unpack(f"{order}II", content[place : place + 8])
-        if kind == _COMPRESSED:
-            unpacking = zlib.decompressobj()
-            try:
-                total += len(unpacking.decompress(content[place + 8 : place + 8 + length], _MOST_BYTES + 1))
-            except zlib.error:
-                raise InvalidRig("is no whole MAT-file: a variable cannot be unpacked") from None
-        if total > _MOST_BYTES:
-            raise InvalidRig(f"unpacks to over {_MOST_BYTES // 1_000_000} MB: save the struct alone: {_SAVE}")
-        place += 8 + length
+    return mat5_variables(content)
 
 
 def _parameters(variables: Mapping[str, object], depth: int = 3) -> Mapping[str, object]:

@@ -194,4 +194,5 @@ FORMAT = Format(
     "realsense.txt",
     groups=alone(lambda text: 'Intrinsic of "' in text and 'Extrinsic from "' in text),
     open=_open,
+    has_modes=True,
 )

@@ -123,4 +123,5 @@ FORMAT = Format(
     "zed.conf",
     groups=alone(lambda text: _KNOWN.search(text) is not None),
     open=_open,
+    has_modes=True,
 )
