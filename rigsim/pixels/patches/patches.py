@@ -21,6 +21,7 @@ import numpy as np
 
 from rigsim.errors import InvalidImage, InvalidRange, MeasurementFailed
 from rigsim.pixels.dense.rectify import Rectification, rectify
+from rigsim.pixels.dense.views import RowView
 from rigsim.pixels.images import grey, quantization_var, same_size
 from rigsim.pixels.patches.coarse import Blurred, Correlations, correlate, whole_windows
 from rigsim.pixels.patches.epipolar import epipolar_offsets
@@ -52,6 +53,9 @@ class PatchMatches:
     """``u_left - u_right``, (N,), px; of the rectified pair when the rig is not."""
     disparity_std_px: Array
     """Predicted standard deviation of `disparity`, model error included, (N,), px."""
+    right_std_px: Array
+    """The same along the epipolar line in the right image given, (N,), px: a wide lens shows a pixel of the
+    rectified pair larger or smaller."""
     noise_disparity_std_px: Array
     """The part of it that image noise explains, (N,), px."""
     score: Array
@@ -83,6 +87,7 @@ def match_patches(
     n_points: int = 2000,
     window: int = 15,
     disparity_range: tuple[float, float] | None = None,
+    view: RowView | None = None,
 ) -> PatchMatches:
     """Match interest points of the left image along their epipolar lines in the right one.
 
@@ -94,6 +99,7 @@ def match_patches(
         window: side of the square patches, px, odd.
         disparity_range: least and largest ``u_left - u_right`` to search, px, of the rectified pair; by
             default everything from infinity on that the image's width allows.
+        view: what a pair that is not rectified is turned into, see `rigsim.pixels.dense.rectify.rectify`.
 
     Raises:
         InvalidImage: a picture cannot be measured, or does not fit the other or the rig.
@@ -102,7 +108,7 @@ def match_patches(
     """
     _check(n_points, window, disparity_range)
     radius = window // 2
-    pair = _rectified(image_left, image_right, rig, window)
+    pair = _rectified(image_left, image_right, rig, window, view)
     low, high = _search_range(pair.rectification.rig, disparity_range)
     gradient = RowSpline.through(pair.left).derivative()
     noise_var, gradient_noise_var = _guessed_noise(pair, gradient)
@@ -130,6 +136,7 @@ def match_patches(
         observations=rows.observations(*_in_the_images_given(fits, pair.rectification, rig)),
         disparity=rows.spread(fits.disparity),
         disparity_std_px=rows.spread(found.std),
+        right_std_px=rows.spread(found.std * _right_scale(fits, pair.rectification)),
         noise_disparity_std_px=rows.spread(found.noise_std),
         score=rows.spread(coarse.score[kept]),
         epipolar_px=rows.spread(epipolar_offsets(pair.left, right_spline, uv[kept], fits, radius=radius)),
@@ -149,12 +156,14 @@ class _Pair:
     rounding_var: float
 
 
-def _rectified(image_left: AnyImage, image_right: AnyImage, rig: StereoRig, window: int) -> _Pair:
+def _rectified(
+    image_left: AnyImage, image_right: AnyImage, rig: StereoRig, window: int, view: RowView | None
+) -> _Pair:
     left, right = grey(image_left, "left image"), grey(image_right, "right image")
     same_size(left, right)
     fits_rig(left, rig)
     rounding_var = (quantization_var(image_left) + quantization_var(image_right)) / 2
-    rectification = rectify(rig)
+    rectification = rectify(rig, view)
     pair = _Pair(rectification, *rectification.warp(left, right), rounding_var)
     height, width = pair.left.shape
     if min(height, width) < window + 2:
@@ -200,6 +209,14 @@ def _in_the_images_given(fits: Fits, rectification: Rectification, rig: StereoRi
     if rectification.rig is not rig:
         return rectification.left_pixels(uv_left), rectification.right_pixels(uv_right)
     return uv_left, uv_right
+
+
+def _right_scale(fits: Fits, rectification: Rectification) -> Array:
+    """Px of the right image given for one of the rectified, (N,); a planar lens's own distortion is small."""
+    if not rectification.source.right.is_wide:
+        return np.ones(len(fits.disparity))
+    right = fits.uv_left - np.stack([fits.disparity, np.zeros_like(fits.disparity)], axis=1)
+    return rectification.right_scale(right)
 
 
 def fits_rig(image: Array, rig: StereoRig) -> None:

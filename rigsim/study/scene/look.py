@@ -16,7 +16,7 @@ from rigsim.rig.remark import Remark
 from rigsim.rig.sensor import Sensor
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
-from rigsim.sim.truth.points import GroundTruth, depth_bins, depth_edges_m, image_weights
+from rigsim.sim.truth.points import GroundTruth, away, depth_bins, depth_edges_m, image_weights
 from rigsim.study.agreement.fault import Fault
 from rigsim.study.scene.columns import Row
 from rigsim.study.scene.pictures import Exposure, expose_pair, without_noise
@@ -106,7 +106,7 @@ def all_rows(
 ) -> Outcome:
     """All rows of a placed rig from what it sees and what was measured, by the sensor's name."""
     truth = seen.truth
-    depth_m = truth.points_left[:, 2]
+    depth_m = away(rig.left, truth.points_left)
     near_m, far_m = plan.range_m or (float(depth_m.min()), float(depth_m.max()))
     edges_m = depth_edges_m(near_m, far_m)
     if plan.range_m is not None:

@@ -14,7 +14,7 @@ from rigsim.errors import TriangulatorError
 from rigsim.rig.arrays import Array, Ids, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
-from rigsim.sim.truth.points import Coverage, GroundTruth
+from rigsim.sim.truth.points import Coverage, GroundTruth, away
 from rigsim.statistics import rms
 from rigsim.study.agreement.agreement import Agreement, AgreementPlace, worst
 from rigsim.study.agreement.claims import measured_agreement
@@ -70,8 +70,8 @@ class RowEvidence:
 
     @property
     def depth_m(self) -> Array:
-        """True depth, (N,), m."""
-        return np.asarray(self.points_left[:, 2])
+        """True depth, (N,), m; of a wide lens, whose depth may be none, the distance."""
+        return away(self.rig.left, self.points_left)
 
 
 def configuration(scene: str, rig: StereoRig, noise: PixelNoise, triangulator: str, sensor: str) -> Row:
@@ -234,7 +234,7 @@ def _joined(body: Row, evidence: RowEvidence, depth_bin: int | None, simulated: 
     measured = evidence.measured
     if measured is None:
         return body | nothing_measured() | _written(simulated)
-    bins = bins_of(measured, evidence.edges_m)
+    bins = bins_of(measured, evidence.rig, evidence.edges_m)
     # a match of nothing has no depth: it counts as an outlier of the whole
     inside = bins == depth_bin if depth_bin is not None else (bins >= 0) | measured.outlier
     row = measured_row(measured, evidence.rig, evidence.triangulator, inside)

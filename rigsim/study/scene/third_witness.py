@@ -19,6 +19,7 @@ from rigsim.pixels.patches.patches import match_patches
 from rigsim.rig.arrays import Array, Ids, Mask
 from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
+from rigsim.sim.truth.points import away
 from rigsim.statistics import abs_p95, nmad, rms
 from rigsim.study.agreement.claims import claim_scale, scale_columns
 from rigsim.study.scene import columns as col
@@ -142,7 +143,7 @@ def _patches(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures:
         rig,
         uv_left,
         found.observations.uv_right[valid][counted],
-        _along_epipolar_lines(assumed, points_left, found.disparity_std_px[valid][counted]),
+        _along_epipolar_lines(assumed, points_left, found.right_std_px[valid][counted]),
         points_left,
         visible,
     )
@@ -172,7 +173,7 @@ def _dense(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures: P
 def _along_epipolar_lines(rig: StereoRig, points_left: Array, std_px: Array) -> Array:
     """Covariance (N, 4, 4) px^2 of right positions that are uncertain along their epipolar lines alone."""
     points_right = rig.right_from_left.apply(points_left)
-    ray_right = points_left / points_left[:, 2:] @ rig.right_from_left.R.T
+    ray_right = points_left @ rig.right_from_left.R.T
     direction = np.einsum("nij,nj->ni", rig.right.jacobian(points_right), ray_right)
     direction /= np.linalg.norm(direction, axis=1)[:, None]
     covariance = np.zeros((len(points_left), 4, 4))
@@ -191,7 +192,10 @@ def _joined(
 ) -> MeasuredMatches:
     true_left, true_right = rig.project(points_left)
     error_px = np.hstack([uv_left - true_left, uv_right - true_right])
-    off = ~(np.abs(error_px[:, 0] - error_px[:, 2]) <= _OUTLIER_PX)
+    off_px = error_px[:, :2] - error_px[:, 2:]
+    # a wide lens's epipolar lines run in every direction
+    size_px = np.linalg.norm(off_px, axis=1) if rig.right.is_wide else np.abs(off_px[:, 0])
+    off = ~(size_px <= _OUTLIER_PX)
     return MeasuredMatches(method, uv_left, uv_right, covariance_px2, points_left, error_px, off | ~visible)
 
 
@@ -253,9 +257,9 @@ def _claimed_distance2(measured: MeasuredMatches, kept: Mask) -> Array:
         return np.asarray((error[:, 2:] ** 2).sum(axis=1) / variance)
 
 
-def bins_of(measured: MeasuredMatches, edges_m: Array) -> Ids:
+def bins_of(measured: MeasuredMatches, rig: StereoRig, edges_m: Array) -> Ids:
     """Depth bin of each match, (N,); -1 where its true point lies in none."""
-    depth_m = measured.points_left[:, 2]
+    depth_m = away(rig.left, measured.points_left)
     inside = (depth_m >= edges_m[0]) & (depth_m <= edges_m[-1])
     bins = np.searchsorted(edges_m[1:-1], depth_m, side="right")
     return np.asarray(np.where(inside, bins, -1), dtype=np.int32)

@@ -14,7 +14,7 @@ from rigsim.errors import TriangulatorError
 from rigsim.rig.arrays import Array, Ids, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.agreement.views import expand_views, predict_views, views
+from rigsim.study.agreement.views import expand_views, predict_views, rays_ahead, views
 from rigsim.study.scene.plan import Triangulator
 from rigsim.study.scene.statistics import NEAREST_TO_INFINITY, ErrorStatistics
 from rigsim.study.triangulators.registry import falls_short
@@ -23,6 +23,7 @@ from rigsim.theory.triangulation import triangulate
 from rigsim.theory.uncertainty import (
     LEAST_DEPTH_SIGMAS,
     depth_in_sigmas,
+    predict_covariance,
 )
 
 _BLOCK = 1 << 16
@@ -46,7 +47,7 @@ class Prediction:
     whitening: Array
     """(6, N); see `ErrorStatistics.add`. Without noise: for noise of one pixel."""
     depth_sigmas: Array
-    """Depth over its own standard deviation."""
+    """Depth over its own standard deviation; of a wide lens, distance."""
     rounding: float
     """Share of the noise variance that is rounding and repeats in every trial, 0 to 1."""
     low_disparity: Mask
@@ -62,18 +63,19 @@ def predict(
     fall short of it (`rigsim.theory.custom.Method.falls_short`): bias and covariance of their error are their
     own.
     """
-    sigmas = depth_in_sigmas(rig, points_left, noise)
+    axes = rays_ahead(rig, points_left)
+    sigmas, depth_rmse_m = _depths(rig, points_left, noise, axes)
     variance_px2 = noise.coordinate_var_px2
     if falls_short(method) and variance_px2 > 0:
-        view_bias, view_covariance = expand_views(rig, points_left, noise, method)
+        view_bias, view_covariance = expand_views(rig, points_left, noise, method, axes)
     else:
-        view_bias, view_covariance = predict_views(rig, points_left, noise)
+        view_bias, view_covariance = predict_views(rig, points_left, noise, axes)
     yardstick = view_covariance
     if variance_px2 == 0:
-        _, yardstick = predict_views(rig, points_left, PixelNoise(1.0))
+        _, yardstick = predict_views(rig, points_left, PixelNoise(1.0), axes)
     return Prediction(
         method=method,
-        depth_rmse_m=_depth_rmse_m(points_left[:, 2], sigmas),
+        depth_rmse_m=depth_rmse_m,
         view_bias=view_bias,
         view_covariance=view_covariance,
         whitening=_whitening(yardstick),
@@ -81,6 +83,27 @@ def predict(
         rounding=noise.quantization_px**2 / 12 / variance_px2 if variance_px2 else 0.0,
         low_disparity=sigmas < LEAST_DEPTH_SIGMAS,
     )
+
+
+def _depths(
+    rig: StereoRig, points_left: Array, noise: PixelNoise, axes: Array | None
+) -> tuple[Array, Array]:
+    """Depth over its standard deviation, and RMS depth error, m, (N,) each.
+
+    With `axes` of the points' own, their distance over its standard deviation; of the depth error, what lies
+    along the ray is a distance's.
+    """
+    if axes is None:
+        sigmas = depth_in_sigmas(rig, points_left, noise)
+        return sigmas, _depth_rmse_m(points_left[:, 2], sigmas)
+    covariance = predict_covariance(rig, points_left, noise)
+    ray = axes[:, 2]
+    distance_m = np.linalg.norm(points_left, axis=1)
+    variance_m2 = np.einsum("ni,nij,nj->n", ray, covariance, ray)
+    with np.errstate(divide="ignore"):
+        sigmas = distance_m / np.sqrt(variance_m2)
+    more_m2 = _depth_rmse_m(distance_m, sigmas) ** 2 - variance_m2
+    return sigmas, np.sqrt(np.maximum(covariance[:, 2, 2] + ray[:, 2] ** 2 * more_m2, 0.0))
 
 
 def _depth_rmse_m(depth_m: Array, sigmas: Array) -> Array:
@@ -133,7 +156,8 @@ def run_trials(
     broken: dict[str, TriangulatorError] = {}
     true_rig, assumed_rig = rigs
     uv_left, uv_right = true_rig.project(points_left)
-    true_views = views(points_left)
+    axes = rays_ahead(true_rig, points_left)
+    true_views = views(points_left, axes)
     for size in _blocks(n_trials, n):
         noisy_left, noisy_right = noise.apply(
             np.broadcast_to(uv_left, (size, n, 2)), np.broadcast_to(uv_right, (size, n, 2)), rng
@@ -149,7 +173,7 @@ def run_trials(
                 continue
             found_left = found_left.reshape(size, n, 3)
             with np.errstate(all="ignore"):
-                error_view = views(found_left) - true_views
+                error_view = views(found_left, axes) - true_views
             result[label].add(
                 found_left - points_left, error_view, predicted.whitening, predicted.depth_sigmas
             )
