@@ -15,6 +15,7 @@ from rigsim.api.kit.plain import takes
 from rigsim.api.result import Result
 from rigsim.api.rigs import RigLike, read_rig, told_of
 from rigsim.errors import InvalidRange
+from rigsim.pixels.dense.views import view_of
 from rigsim.rig import given
 from rigsim.rig.arrays import AnyImage, Array
 from rigsim.rig.remark import Remark
@@ -42,6 +43,7 @@ class MeasureOptions:
     matcher: str | None = "sgbm"
     timeout_s: float = 120.0
     disparities_px: tuple[float, float] | None = None
+    rectify: str | None = None
     truth: str | os.PathLike[str] | npt.NDArray[Any] | None = None
     truth_scale: float | None = None
     target: tuple[int, int, int, int] | None = None
@@ -134,6 +136,8 @@ def measure(options: MeasureOptions) -> Measured:
         matcher: Who finds a disparity for every pixel: sgbm; ``package.module:function(left, right, rig)``;
             a command with {left}, {right} and {out} in it; or None for nobody.
         timeout_s: Longest time for a matcher, s.
+        rectify: What a pair that is not rectified is turned into before it is matched: perspective, cylinder
+            or latlong; None chooses by what the lenses see.
         disparities_px: Least and largest disparity to search, px; by default what a calib.txt says.
         truth: True disparity of the left pixels: a .pfm, .npy or .png file, or (H, W) px.
         truth_scale: Grey levels of a truth PNG that are one px; 256 where it has 16 bits.
@@ -185,6 +189,7 @@ def _measured(options: MeasureOptions) -> PairMeasurement:
             target=options.target,
             disparity_range=options.disparities_px or searched,
             timeout_s=options.timeout_s,
+            rectify=view_of(options.rectify),
         ),
         truth=_truth(options),
         provenance={"command": options.command, **sources(paths), **versions()},

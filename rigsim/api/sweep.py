@@ -112,6 +112,8 @@ def sweep(options: SweepOptions) -> Sweep:
         points: Truth points of each rig.
         trials: Noisy repetitions of each point.
         measure: What is measured in the pictures: auto, none, corners, patches or dense.
+        rectify: What pictures of a rig that is not rectified are turned into before they are matched:
+            perspective, cylinder or latlong; None chooses by what the lenses see.
         sensor: A sensor, or the name of one, as ``IMX477``.
         blur_px: Standard deviation of the lens's point spread, px.
         image_noise_grey: White noise of the pictures, grey levels of 255; 2 where nothing else is said.

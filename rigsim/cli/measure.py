@@ -50,6 +50,14 @@ class MeasureWords:
     disparity: Annotated[
         str | None, typer.Option(metavar="PX:PX", help="Disparities to search: 0:128, px.")
     ] = None
+    rectify: Annotated[
+        str | None,
+        typer.Option(
+            metavar="VIEW",
+            help="What a pair that is not rectified is turned into before it is matched: perspective, "
+            "cylinder or latlong, the last two about the baseline.  [default: by what the lenses see]",
+        ),
+    ] = None
     truth: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="True disparity of the left pixels: .pfm, .npy or .png."),
@@ -95,6 +103,7 @@ def measure(options: RigOptions, words: MeasureWords) -> None:
             matcher=words.matcher if words.dense else None,
             timeout_s=words.timeout,
             disparities_px=searched or options.disparity_range(),
+            rectify=words.rectify,
             truth=words.truth,
             truth_scale=words.truth_scale,
             target=target,

@@ -102,6 +102,14 @@ class SweepWords:
             "none, corners, patches or dense."
         ),
     ] = "auto"
+    rectify: Annotated[
+        str | None,
+        typer.Option(
+            metavar="VIEW",
+            help="What a pair that is not rectified is turned into before it is matched: perspective, "
+            "cylinder or latlong, the last two about the baseline.  [default: by what the lenses see]",
+        ),
+    ] = None
     sensor: SensorName = None
     blur: Blur = None
     image_noise: Annotated[
@@ -179,6 +187,7 @@ def sweep(typed: Mapping[str, str], words: SweepWords, cover: CoverWords, golden
             points=words.points,
             trials=words.trials,
             measure=words.measure,
+            rectify=words.rectify,
             triangulators=methods,
             timeout_s=timeout_s,
             in_process=words.in_process,

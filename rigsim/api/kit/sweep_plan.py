@@ -12,6 +12,7 @@ from rigsim.api.kit.asked import DepthError
 from rigsim.api.kit.sensors import TYPICAL_NOISE_GREY, SensorOptions, sensor_labels
 from rigsim.api.rigs import RigLike, Several, Sizes, Told, read_rig, rig_file, rig_for, told_of
 from rigsim.errors import InvalidRange
+from rigsim.pixels.dense.views import view_of
 from rigsim.rig import given
 from rigsim.rig.noise import PixelNoise, as_noise, coordinate_noises_px
 from rigsim.rig.perturbation import Perturbation
@@ -50,6 +51,7 @@ class SweepOptions:
     points: int = 2000
     trials: int = 100
     measure: str = "auto"
+    rectify: str | None = None
     sensor: str | Sensor | None = None
     blur_px: float | None = None
     image_noise_grey: Several = ()
@@ -156,6 +158,7 @@ def plan_of(options: SweepOptions) -> tuple[Plan, tuple[Remark, ...]]:
         renderer=renderer,
         supersample=options.supersample,
         measure=measure,
+        rectify=view_of(options.rectify),
         assumed=assumed,
         perturbation=perturbation,
         timeout_s=None if options.in_process else options.timeout_s,

@@ -13,6 +13,8 @@ from rigsim.errors import InvalidImage, MeasurementFailed
 from rigsim.pixels.corners.boards import BoardCorners, find_sizes, not_found, turns
 from rigsim.pixels.images import grey, same_size
 from rigsim.rig.arrays import AnyImage, Array, Ids
+from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.lens.lens import ahead
 from rigsim.rig.observations import Observations
 from rigsim.rig.pose import skew
 from rigsim.rig.stereo import StereoRig
@@ -235,8 +237,12 @@ class _Epipolar:
         return bool(np.mean((z_left > 0) & (z_right > 0)) > 0.5)
 
     def _rays(self, uv_left: npt.ArrayLike, uv_right: npt.ArrayLike) -> tuple[Array, Array]:
-        normalized = [np.asarray(uv, dtype=np.float64) for uv in (uv_left, uv_right)]
-        if self.rig is not None:
-            normalized = [self.rig.left.normalize(uv_left), self.rig.right.normalize(uv_right)]
-        left, right = (np.concatenate([xy, np.ones((len(xy), 1))], axis=1) for xy in normalized)
-        return left, right
+        left, right = (np.asarray(uv, dtype=np.float64) for uv in (uv_left, uv_right))
+        if self.rig is None:
+            return ahead(left), ahead(right)
+        return _rays_of(self.rig.left, left), _rays_of(self.rig.right, right)
+
+
+def _rays_of(camera: Intrinsics, uv: Array) -> Array:
+    """Rays (N, 3) of pixels, with z 1 where the lens is no wide one."""
+    return camera.ray(uv) if camera.is_wide else ahead(camera.normalize(uv))

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from rigsim.errors import InvalidRange, MeasurementFailed
 from rigsim.pixels.dense.matcher import Matcher, MatcherFunction, run_command, run_function, run_named
+from rigsim.pixels.dense.views import AxialView
 from rigsim.pixels.images import grey, same_size
 from rigsim.pixels.opencv import load_cv2
 from rigsim.pixels.patches.patches import fits_rig
@@ -62,7 +63,7 @@ def dense_disparity(
     left, right = grey(image_left, "left image"), grey(image_right, "right image")
     same_size(left, right)
     fits_rig(left, rig)
-    if not rig.is_rectified:
+    if not (rig.is_rectified or isinstance(rig.left.lens, AxialView)):
         raise MeasurementFailed(
             "the rig is not rectified: its rows do not correspond; rectify the pair first "
             "(rigsim.pixels.dense.rectify), or measure patches"

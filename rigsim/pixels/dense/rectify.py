@@ -54,7 +54,8 @@ class Rectification:
     def right_scale(self, uv: Array) -> Array:
         """How many px of the original right image one px along a rectified row is, (N,), at (N, 2)."""
         half = np.array([0.5, 0.0])
-        return np.linalg.norm(self.right_pixels(uv + half) - self.right_pixels(uv - half), axis=-1)
+        ends = self.right_pixels(uv + half) - self.right_pixels(uv - half)
+        return np.asarray(np.linalg.norm(ends, axis=-1))
 
     def left_pixels(self, uv: Array) -> Array:
         """Positions (..., 2) of the rectified left image in the original one, px."""

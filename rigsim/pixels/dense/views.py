@@ -1,9 +1,9 @@
 """Pictures whose rows are epipolar lines though no perspective picture holds what they show.
 
-Both have their axis along the baseline, x. A row is a half plane through it, so every point lies in the same
-row of both pictures; along the row runs the angle from the plane across the baseline (longitude and latitude
-with the poles on the baseline), or its tangent (a cylinder about the baseline). Disparity is then an angle, or
-the baseline over the distance from it.
+Both have their axis along the baseline, x. A row is a half plane through it, so every point lies in the
+same row of both pictures; along the row runs the angle from the plane across the baseline (longitude and
+latitude with the poles on the baseline), or its tangent (a cylinder about the baseline). Disparity is then an
+angle, or the baseline over the distance from it.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import ClassVar, Literal, TypeAlias
 
 import numpy as np
 
+from rigsim.errors import InvalidRange
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.lens.lens import Lens
 
@@ -21,6 +22,20 @@ RowView: TypeAlias = Literal["perspective", "cylinder", "latlong"]
 """What a pair is rectified to."""
 VIEWS: tuple[RowView, ...] = ("perspective", "cylinder", "latlong")
 """All of them."""
+
+
+def view_of(view: str | None) -> RowView | None:
+    """The view of that name; None stays None.
+
+    Raises:
+        InvalidRange: it is none of `VIEWS`, nor None.
+    """
+    for known in VIEWS:
+        if view == known:
+            return known
+    if view is not None:
+        raise InvalidRange(f"rectify {view!r}: choose one of {', '.join(VIEWS)}")
+    return None
 
 
 @dataclass(frozen=True, slots=True)

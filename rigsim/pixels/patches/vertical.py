@@ -13,6 +13,7 @@ import numpy as np
 
 from rigsim.errors import MeasurementFailed
 from rigsim.pixels.dense.rectify import rectify
+from rigsim.pixels.dense.views import RowView
 from rigsim.pixels.images import grey
 from rigsim.pixels.patches.coarse import Blurred, correlate, whole_windows
 from rigsim.pixels.patches.interest import estimate_noise, interest_points
@@ -55,6 +56,7 @@ def find_vertical_shift(
     rig: StereoRig,
     *,
     disparity_range: tuple[float, float] | None = None,
+    view: RowView | None = None,
 ) -> VerticalShift | None:
     """The vertical shift, up to a tenth of the height, that the pictures agree on; None when there is none.
 
@@ -64,7 +66,7 @@ def find_vertical_shift(
         InvalidImage: a picture cannot be measured.
         MeasurementFailed: the pair cannot be rectified.
     """
-    rectification = rectify(rig)
+    rectification = rectify(rig, view)
     rectified = rectification.rig
     left, right, on_left, on_right = rectification.warp(
         grey(image_left, "left image"), grey(image_right, "right image")

@@ -200,7 +200,8 @@ def _print_boards(result: PairMeasurement, console: Console) -> None:
 
 def _print_dense(dense: DenseMap, console: Console) -> None:
     low, high = inner_range(dense.disparity)
-    rectified = " of the pair, which was rectified first," if dense.rectified else ""
+    to = "" if dense.view == "perspective" else f" ({dense.view}, rows about the baseline)"
+    rectified = f" of the pair, which was rectified first{to}," if dense.rectified else ""
     paragraph(
         console,
         f"Dense ({dense.matcher}):{rectified} {_pct(dense.image_fill_pct)} % of the pixels have a "

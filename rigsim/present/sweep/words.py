@@ -18,6 +18,7 @@ from rigsim.rig.digits import short
 from rigsim.study.agreement.agreement import kinds as kinds_of
 from rigsim.study.scene import columns as col
 from rigsim.study.scene.plan import DEFAULT_SCENE, Held
+from rigsim.study.scene.showcase import Showcase
 from rigsim.study.sweep.choice import choice, trend
 from rigsim.study.sweep.comparison import WELL_COVERED, row_of_bins
 from rigsim.study.sweep.growth import Growth, growth_of
@@ -49,7 +50,7 @@ def verdict(result: SweepResult) -> Verdict:
         *_averages(row),
         *([] if result.requirements else _choice(result)),
         *_trend(result),
-        *_measured(row),
+        *_measured(row, result.showcase),
         *_agreement(rows),
         *_coverage(result),
         *_low_disparity(row),
@@ -233,17 +234,24 @@ def _commonest(rows: pd.DataFrame) -> str:
     return str(reasons.index[0]) + (" (and others)" if len(reasons) > 1 else "")
 
 
-def _measured(row: pd.Series) -> list[str]:
+def _measured(row: pd.Series, showcase: Showcase) -> list[str]:
     """The third witness, and the noise level it stands for."""
     if not row[col.MEASURED_N] > 0:
         return []
     noise_px = row[col.MEASURED_DISPARITY_STD] / 2**0.5
     return [
-        f"Measured in renderings ({int(row[col.MEASURED_N])} {row[col.MEASURED_METHOD]}, sensor "
-        f"`{row[col.SENSOR]}`): {mm(row[col.MEASURED_DEPTH_RMSE])} RMS depth error; its own error "
+        f"Measured in renderings ({int(row[col.MEASURED_N])} {row[col.MEASURED_METHOD]}{_on(showcase)}, "
+        f"sensor `{row[col.SENSOR]}`): {mm(row[col.MEASURED_DEPTH_RMSE])} RMS depth error; its own error "
         f"estimate predicts {mm(row[col.PREDICTED_FROM_MEASURED_RMSE])}. The disparity noise of "
         f"{row[col.MEASURED_DISPARITY_STD]:.2g} px corresponds to `--noise {noise_px:.2g}`."
     ]
+
+
+def _on(showcase: Showcase) -> str:
+    """What the pictures of a wide lens were turned into before they were matched."""
+    return (
+        f" in a {showcase.view} view about the baseline" if showcase.view in ("cylinder", "latlong") else ""
+    )
 
 
 def _coverage(result: SweepResult) -> list[str]:

@@ -6,8 +6,10 @@ import numpy as np
 
 from rigsim.pixels.dense.dense import dense_disparity
 from rigsim.pixels.dense.matcher import Matcher
+from rigsim.pixels.dense.pair import where_seen
 from rigsim.pixels.dense.quality import DepthQuality, depth_quality
 from rigsim.pixels.dense.rectify import Rectification, rectify
+from rigsim.pixels.dense.views import RowView
 from rigsim.rig.arrays import AnyImage, Array, Mask
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.measure.result import DenseMap, Target
@@ -18,17 +20,19 @@ def dense_map(
     image_left: AnyImage,
     image_right: AnyImage,
     rig: StereoRig,
+    *,
     matcher: Matcher,
     disparity_range: tuple[float, float] | None,
     timeout_s: float,
     truth: Array | None,
+    view: RowView | None = None,
 ) -> DenseMap:
     """Dense disparities of a pair, which is rectified first when its rig is not; see `measure_pair`.
 
     Raises:
         MeasurementFailed: the pair cannot be rectified, or the matcher failed.
     """
-    rectification = rectify(rig)
+    rectification = rectify(rig, view)
     rectified = rectification.rig is not rig
     on_both = None
     if rectified:
@@ -43,12 +47,13 @@ def dense_map(
         timeout_s=timeout_s,
     )
     if on_both is not None:
-        disparity = _where_seen(disparity, *on_both)
+        disparity = where_seen(disparity, *on_both)
     return DenseMap(
         matcher=matcher if isinstance(matcher, str) else getattr(matcher, "__name__", repr(matcher)),
         disparity=disparity,
         rig=rectification.rig,
         rectified=rectified,
+        view=rectification.view,
         image_left=image_left,
         image_right=image_right,
         left_from_rectified=rectification.rectified_from_left.T,
@@ -76,15 +81,6 @@ def _like(image: AnyImage, layers: list[Array]) -> AnyImage:
     if image.dtype.kind == "u":
         picture = np.clip(np.round(picture), 0, np.iinfo(image.dtype).max)
     return picture.astype(image.dtype)
-
-
-def _where_seen(disparity: Array, on_left: Mask, on_right: Mask) -> Array:
-    """The disparities (H, W) of what lies on both pictures; NaN on the made-up rim of a rectified pair."""
-    v, u = np.indices(disparity.shape)
-    landing = np.round(u - np.where(np.isfinite(disparity), disparity, 0.0)).astype(np.intp)
-    on_image = (landing >= 0) & (landing < disparity.shape[1])
-    seen = on_left & on_image & on_right[v, np.where(on_image, landing, 0)]
-    return np.where(seen, disparity, np.nan)
 
 
 def target_quality(dense: DenseMap, truth: Array | None, target: Target) -> DepthQuality:

@@ -12,6 +12,7 @@ from rigsim.rig.arrays import AnyImage, Array
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.pose import skew
 from rigsim.rig.stereo import StereoRig
+from rigsim.sim.truth.points import directions
 from rigsim.study.measure.result import BoardFit, PairMatches
 from rigsim.study.measure.truth import MatchErrors, match_errors, truth_at
 from rigsim.theory.triangulation import triangulate
@@ -25,7 +26,8 @@ def patch_matches(found: PatchMatches, rig: StereoRig, truth: Array | None) -> P
     std = found.disparity_std_px[valid]
     points_left = triangulate(rig, uv_left, uv_right)
     # the prediction is linear in the noise; a disparity's is sqrt(2) of a coordinate's
-    depth_std = predict_depth_std(rig, points_left, PixelNoise(1.0)) * std / math.sqrt(2)
+    right_std = found.right_std_px[valid]
+    depth_std = predict_depth_std(rig, points_left, PixelNoise(1.0)) * right_std / math.sqrt(2)
     nothing = np.full(len(uv_left), -1, dtype=np.int32)
     true, depth_error, errors = _judged(rig, uv_left, uv_right, std, truth)
     return PairMatches(
@@ -127,9 +129,7 @@ def _judged(
 
 def _epipolar_px(rig: StereoRig, uv_left: Array, uv_right: Array) -> Array:
     """How far below the epipolar line of its left position a right one lies, (N,), px."""
-    ones = np.ones((len(uv_left), 1))
-    ray_left = np.hstack([rig.left.normalize(uv_left), ones])
-    ray_right = np.hstack([rig.right.normalize(uv_right), ones])
+    ray_left, ray_right = directions(rig.left, uv_left), directions(rig.right, uv_right)
     line = ray_left @ (skew(rig.right_from_left.t) @ rig.right_from_left.R).T
     # the line's normal points down as long as the right camera sits on the right
     off = np.sum(ray_right * line, axis=1) / np.hypot(line[:, 0], line[:, 1])

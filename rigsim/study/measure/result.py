@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from rigsim.pixels.dense.quality import DepthQuality
+from rigsim.pixels.dense.views import RowView
 from rigsim.rig.arrays import AnyImage, Array, Ids, Image, Mask
 from rigsim.rig.stereo import StereoRig
 from rigsim.statistics import rms
@@ -205,6 +206,8 @@ class DenseMap:
     """The rectified rig it belongs to: the one given, unless that is not rectified."""
     rectified: bool
     """Whether the pictures had to be rectified first."""
+    view: RowView
+    """What they were rectified to: rows of a perspective picture, or half planes about the baseline."""
     image_left: AnyImage
     """Left picture on the disparity's pixels."""
     image_right: AnyImage
@@ -221,12 +224,36 @@ class DenseMap:
 
     def points_left(self) -> tuple[Array, Mask]:
         """Points (N, 3) m of the left camera's frame, and the pixels (H, W) they belong to."""
+        if self.view != "perspective":
+            return self._points_about_baseline()
         with np.errstate(divide="ignore", invalid="ignore"):
             depth = self.rig.left.fx * self.rig.baseline_m / (self.disparity + self.rig.doffs_px)
             known = np.asarray(np.isfinite(depth) & (depth > 0), dtype=np.bool_)
         v, u = np.nonzero(known)
         xy = self.rig.left.normalize(np.column_stack([u, v]))
         points = np.column_stack([xy, np.ones(len(xy))]) * depth[known][:, None]
+        return points @ self.left_from_rectified.T, known
+
+    def _points_about_baseline(self) -> tuple[Array, Mask]:
+        """As `points_left`, where the two pixels' rays lie in one half plane through the baseline.
+
+        They meet at a distance ``b / (tan a_left - tan a_right)`` from it, a the angles from across it.
+        """
+        v, u = np.nonzero(np.isfinite(self.disparity))
+        found = self.disparity[v, u]
+        ray, other = (
+            camera.ray(np.column_stack([column, v]))
+            for camera, column in ((self.rig.left, u), (self.rig.right, u - found))
+        )
+        off = np.hypot(ray[:, 1], ray[:, 2])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            distance = self.rig.baseline_m / (
+                ray[:, 0] / off - other[:, 0] / np.hypot(other[:, 1], other[:, 2])
+            )
+        meets = np.isfinite(distance) & (distance > 0)
+        known = np.zeros(self.disparity.shape, dtype=np.bool_)
+        known[v[meets], u[meets]] = True
+        points = ray[meets] * (distance / off)[meets, None]
         return points @ self.left_from_rectified.T, known
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from rigsim.errors import InvalidImage, InvalidRange, MeasurementFailed
 from rigsim.pixels.dense.matcher import Matcher
+from rigsim.pixels.dense.views import RowView
 from rigsim.pixels.images import grey, same_size
 from rigsim.pixels.opencv import load_cv2
 from rigsim.pixels.patches.patches import PatchMatches, fits_rig, match_patches
@@ -50,6 +51,8 @@ class Wanted:
     """Least and largest disparity to search, px."""
     timeout_s: float = 120.0
     """A dense matcher of somebody else that takes longer is killed."""
+    rectify: RowView | None = None
+    """What a pair that is not rectified is turned into; None chooses by what the lenses see."""
 
 
 def measure_pair(
@@ -85,14 +88,23 @@ def measure_pair(
     boards: tuple[BoardFit, ...] = ()
     if wanted.board is not None:
         corners, boards = corner_matches(image_left, image_right, rig, wanted.board, truth)
-    look = _look_for_patches(image_left, image_right, rig, truth, wanted.disparity_range, corners is None)
+    look = _look_for_patches((image_left, image_right), rig, truth, wanted, corners is None)
     verdicts, findings = _conclude(look, corners, boards, rig, wanted.square_m)
     dense = None
     if wanted.matcher is not None:
         searched = wanted.disparity_range
         if look.found is not None and searched is None:
             searched = look.found.disparity_range
-        dense = dense_map(image_left, image_right, rig, wanted.matcher, searched, wanted.timeout_s, truth)
+        dense = dense_map(
+            image_left,
+            image_right,
+            rig,
+            matcher=wanted.matcher,
+            disparity_range=searched,
+            timeout_s=wanted.timeout_s,
+            truth=truth,
+            view=wanted.rectify,
+        )
         findings += dense_findings(dense, truth, look.patches or corners)
     target = wanted.target
     return PairMeasurement(
@@ -123,12 +135,7 @@ class _Look:
 
 
 def _look_for_patches(
-    image_left: AnyImage,
-    image_right: AnyImage,
-    rig: StereoRig,
-    truth: Array | None,
-    searched: tuple[float, float] | None,
-    needed: bool,
+    pair: tuple[AnyImage, AnyImage], rig: StereoRig, truth: Array | None, wanted: Wanted, needed: bool
 ) -> _Look:
     """Match patches, and see whether the pair matches better on other rows or the other way round.
 
@@ -136,19 +143,19 @@ def _look_for_patches(
         MeasurementFailed: the pictures are swapped, or nothing matched where matches are `needed`.
     """
     try:
-        found = match_patches(image_left, image_right, rig, disparity_range=searched)
+        found = match_patches(*pair, rig, disparity_range=wanted.disparity_range, view=wanted.rectify)
     except MeasurementFailed as error:
-        shift = _on_other_rows(image_left, image_right, rig, None, searched)
+        shift = _on_other_rows(pair, rig, None, wanted)
         if shift is None:
-            _refuse_swapped(image_left, image_right, rig, 0, searched)
+            _refuse_swapped(pair, rig, 0, wanted)
         if needed:
             where = "" if shift is None else f". {shift_words(shift.rows_px, rig)} Calibrate or rectify again"
             raise MeasurementFailed(f"{error}{where}") from None
         return _Look(None, None, shift, str(error))
     patches = patch_matches(found, rig, truth)
-    shift = _on_other_rows(image_left, image_right, rig, patches, searched)
+    shift = _on_other_rows(pair, rig, patches, wanted)
     if shift is None and patches.n < LOW_SHARE * patches.n_tried:
-        _refuse_swapped(image_left, image_right, rig, patches.n, searched)
+        _refuse_swapped(pair, rig, patches.n, wanted)
     return _Look(found, patches, shift)
 
 
@@ -219,11 +226,7 @@ def _check(
 
 
 def _on_other_rows(
-    image_left: AnyImage,
-    image_right: AnyImage,
-    rig: StereoRig,
-    patches: PairMatches | None,
-    disparity_range: tuple[float, float] | None,
+    pair: tuple[AnyImage, AnyImage], rig: StereoRig, patches: PairMatches | None, wanted: Wanted
 ) -> VerticalShift | None:
     """The vertical shift after which the pair matches far better, where it matches badly as it is."""
     if patches is not None:
@@ -231,7 +234,7 @@ def _on_other_rows(
         if telling >= _SEARCHED_BELOW * patches.n_tried:
             return None
     try:
-        shift = find_vertical_shift(image_left, image_right, rig, disparity_range=disparity_range)
+        shift = find_vertical_shift(*pair, rig, disparity_range=wanted.disparity_range, view=wanted.rectify)
     except MeasurementFailed:
         return None
     if shift is None or abs(shift.rows_px) < _LEAST_SHIFT_PX:
@@ -241,16 +244,12 @@ def _on_other_rows(
     return shift if moved.n_valid > _BETTER * share * len(moved.score) else None
 
 
-def _refuse_swapped(
-    image_left: AnyImage,
-    image_right: AnyImage,
-    rig: StereoRig,
-    n: int,
-    disparity_range: tuple[float, float] | None,
-) -> None:
+def _refuse_swapped(pair: tuple[AnyImage, AnyImage], rig: StereoRig, n: int, wanted: Wanted) -> None:
     """Say so where the pictures match much better the other way round."""
     try:
-        swapped = match_patches(image_right, image_left, rig, disparity_range=disparity_range)
+        swapped = match_patches(
+            pair[1], pair[0], rig, disparity_range=wanted.disparity_range, view=wanted.rectify
+        )
     except MeasurementFailed:
         return
     tried = len(swapped.observations.valid)

@@ -177,7 +177,7 @@ def measure_pictures(
         rng = plan.stream("picture", simulator.scene.name, rig, repr(sensor))
         pictures = seen.exposures[without_noise(sensor)].pictures(sensor, rng)
         true_rig, assumed_rig = plan.true_and_assumed(rig)
-        result[label] = measure(method, simulator, true_rig, pictures, assumed_rig)
+        result[label] = measure(method, simulator, true_rig, pictures, assumed_rig, plan.rectify)
     return result
 
 

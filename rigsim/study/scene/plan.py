@@ -12,6 +12,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from rigsim.errors import InvalidRange, InvalidRig
+from rigsim.pixels.dense.views import RowView, view_of
 from rigsim.rig import extent, given
 from rigsim.rig.arrays import Array
 from rigsim.rig.noise import PixelNoise, as_noise
@@ -151,6 +152,9 @@ class Plan:
     measure: str = "auto"
     """What is measured in the pictures: none, corners, patches or dense; "auto" takes corners where the
     scene has boards, else patches; and nothing from the plain pictures of rays."""
+    rectify: RowView | None = None
+    """What a pair that is not rectified is turned into before patches or dense disparities are looked for:
+    perspective, cylinder or latlong; None finds the plainest that holds what the cameras see."""
     sensors: Mapping[str, Sensor] = field(default_factory=lambda: {"ideal": Sensor()})
     """Lens and sensor that the pictures are taken with, by the name they have in tables."""
     supersample: int = SUPERSAMPLE
@@ -182,6 +186,7 @@ class Plan:
         if not self.noises or not self.triangulators or not self.sensors:
             raise InvalidRange("a sweep needs at least one noise level, one triangulator and one sensor")
         extent.NOISES.check(len(self.noises))
+        view_of(self.rectify)
         if self.measure not in MEASURES:
             raise InvalidRange(f"measure {self.measure!r}: choose one of {', '.join(MEASURES)}")
         if self.assumed is not None and self.perturbation is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from rigsim.pixels.dense.views import RowView
 from rigsim.rig.arrays import Array, Image, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.sensor import Sensor
@@ -32,3 +33,5 @@ class Showcase:
     """Lens and sensor that the pictures were taken with; the default is the ideal pinhole."""
     depth_rmse_m: Array
     """Simulated RMS depth error of each point over the trials, (N,), m; NaN where it was not triangulated."""
+    view: RowView = "perspective"
+    """What the pictures were turned into before they were matched, where they had to be."""

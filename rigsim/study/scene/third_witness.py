@@ -14,7 +14,8 @@ from scipy.spatial import cKDTree
 
 from rigsim.errors import InvalidImage, MeasurementFailed
 from rigsim.pixels.corners.pairing import match_sizes
-from rigsim.pixels.dense.dense import dense_disparity
+from rigsim.pixels.dense.pair import dense_of_any
+from rigsim.pixels.dense.views import RowView
 from rigsim.pixels.patches.patches import match_patches
 from rigsim.rig.arrays import Array, Ids, Mask
 from rigsim.rig.stereo import StereoRig
@@ -77,6 +78,7 @@ def measure(
     rig: StereoRig,
     pictures: Pictures,
     assumed: StereoRig | None = None,
+    view: RowView | None = None,
 ) -> MeasuredMatches:
     """Measure a pair of pictures of the placed rig and join the truth.
 
@@ -88,8 +90,8 @@ def measure(
         if method == "corners":
             return _corners(simulator, rig, assumed, pictures)
         if method == "patches":
-            return _patches(simulator, rig, assumed, pictures)
-        return _dense(simulator, rig, assumed, pictures)
+            return _patches(simulator, rig, assumed, pictures, view)
+        return _dense(simulator, rig, assumed, pictures, view)
     except (MeasurementFailed, InvalidImage) as error:
         empty = np.empty((0, 4))
         return MeasuredMatches(
@@ -131,8 +133,10 @@ def _corners(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures:
     return _joined("corners", rig, uv_left, uv_right, covariance, points_left, np.isfinite(points_left[:, 2]))
 
 
-def _patches(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures: Pictures) -> MeasuredMatches:
-    found = match_patches(pictures.left, pictures.right, assumed)
+def _patches(
+    simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures: Pictures, view: RowView | None
+) -> MeasuredMatches:
+    found = match_patches(pictures.left, pictures.right, assumed, view=view)
     valid = found.observations.valid
     uv_left = found.observations.uv_left[valid]
     points_left, visible = simulator.points_at(uv_left)
@@ -149,15 +153,18 @@ def _patches(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures:
     )
 
 
-def _dense(simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures: Pictures) -> MeasuredMatches:
-    disparity = dense_disparity(pictures.left, pictures.right, assumed)
-    v, u = (
-        part.ravel() for part in np.mgrid[: rig.left.height : _DENSE_STRIDE, : rig.left.width : _DENSE_STRIDE]
-    )
+def _dense(
+    simulator: Simulator, rig: StereoRig, assumed: StereoRig, pictures: Pictures, view: RowView | None
+) -> MeasuredMatches:
+    disparity, rectification = dense_of_any(pictures.left, pictures.right, assumed, view=view)
+    height, width = disparity.shape
+    v, u = (part.ravel() for part in np.mgrid[:height:_DENSE_STRIDE, :width:_DENSE_STRIDE])
     known = np.isfinite(disparity[v, u])
     v, u = v[known], u[known]
     uv_left = np.column_stack([u, v]).astype(np.float64)
     uv_right = uv_left - np.column_stack([disparity[v, u], np.zeros(len(u))])
+    if rectification.rig is not assumed:
+        uv_left, uv_right = rectification.left_pixels(uv_left), rectification.right_pixels(uv_right)
     points_left, visible = simulator.points_at(uv_left)
     counted = ~simulator.on_sky(points_left)
     u, uv_left, uv_right = u[counted], uv_left[counted], uv_right[counted]

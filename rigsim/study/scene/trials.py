@@ -85,9 +85,7 @@ def predict(
     )
 
 
-def _depths(
-    rig: StereoRig, points_left: Array, noise: PixelNoise, axes: Array | None
-) -> tuple[Array, Array]:
+def _depths(rig: StereoRig, points_left: Array, noise: PixelNoise, axes: Array | None) -> tuple[Array, Array]:
     """Depth over its standard deviation, and RMS depth error, m, (N,) each.
 
     With `axes` of the points' own, their distance over its standard deviation; of the depth error, what lies

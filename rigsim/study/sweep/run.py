@@ -10,7 +10,9 @@ import numpy as np
 import pandas as pd
 
 from rigsim import interrupts
-from rigsim.errors import InvalidRange, InvalidScene, TriangulatorError
+from rigsim.errors import InvalidRange, InvalidScene, MeasurementFailed, TriangulatorError
+from rigsim.pixels.dense.rectify import rectify
+from rigsim.pixels.dense.views import RowView
 from rigsim.rig import extent, given
 from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
@@ -234,4 +236,13 @@ def _showcase(simulator: Simulator, rig: StereoRig, row: int, plan: Plan) -> Sho
         visible=truth.visible,
         sensor=sensor,
         depth_rmse_m=depth_rmse_m,
+        view=_matched_in(plan, rig),
     )
+
+
+def _matched_in(plan: Plan, rig: StereoRig) -> RowView:
+    """What the pictures of a rig are turned into; nothing was matched where they cannot be."""
+    try:
+        return rectify(rig, plan.rectify).view
+    except MeasurementFailed:
+        return "perspective"

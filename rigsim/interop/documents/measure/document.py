@@ -125,6 +125,7 @@ def _dense(dense: DenseMap) -> Dense:
     return Dense(
         matcher=dense.matcher,
         rectified_first=dense.rectified,
+        view=dense.view,
         image_fill_pct=dense.image_fill_pct,
         **judged,
         inlier_std_px=None if errors is None else finite(errors.inlier_std_px),

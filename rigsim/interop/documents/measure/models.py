@@ -175,6 +175,8 @@ class Matched(Part):
     """Who found it."""
     rectified_first: bool
     """Whether the pictures had to be rectified first."""
+    view: str
+    """Whose rows they are: a perspective picture's, or half planes about the baseline: cylinder, latlong."""
     image_fill_pct: float
     """Share of all pixels with a disparity, percent."""
 
