@@ -62,7 +62,7 @@ def read_bytes(
             raise OutputError(f"{path}: is a link: must be a file of its own") from None
         if error.errno == errno.EISDIR:
             raise OutputError(f"{path}: is a folder: name {what}") from None
-        raise OutputError(f"{path}: {error.strerror or error}; name {what}") from None
+        raise OutputError(f"{path}: cannot be read ({error.strerror or error}); name {what}") from None
     except ValueError as error:  # a null character in the name
         raise OutputError(f"{str(path)!r}: cannot be read ({error}); name {what}") from None
     if len(content) > limit_bytes:

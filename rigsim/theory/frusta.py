@@ -94,14 +94,29 @@ def outline(camera: Intrinsics) -> Array:
     rays = _rays(camera, corners)
     lost = np.any(np.isnan(rays), axis=1)
     if lost.any():
-        center = np.array([camera.cx, camera.cy])
-        low, high = np.zeros((int(lost.sum()), 1)), np.ones((int(lost.sum()), 1))
-        for _ in range(_PULLS):
-            middle = (low + high) / 2
-            shown = np.all(np.isfinite(_rays(camera, center + middle * (corners[lost] - center))), axis=1)
-            low, high = np.where(shown[:, None], middle, low), np.where(shown[:, None], high, middle)
-        rays[lost] = _rays(camera, center + low * (corners[lost] - center))
+        last = last_rays(camera, corners[lost])
+        rays[lost] = last if camera.is_wide else last / last[:, 2:]
     return rays
+
+
+def last_rays(camera: Intrinsics, uv: Array) -> Array:
+    """The outermost unit rays (N, 3) that the lens shows towards pixels (N, 2), which may show nothing.
+
+    By where it sees: an inverse takes long where there is none.
+    """
+    turn = np.arctan2((uv[:, 1] - camera.cy) / camera.fy, (uv[:, 0] - camera.cx) / camera.fx)
+    low, high = np.zeros(len(uv)), np.full(len(uv), math.pi)
+    for _ in range(_PULLS):
+        middle = (low + high) / 2
+        shown = np.isfinite(camera.project(_off_axis(middle, turn))[:, 0])
+        low, high = np.where(shown, middle, low), np.where(shown, high, middle)
+    return _off_axis(low, turn)
+
+
+def _off_axis(angle: Array, turn: Array) -> Array:
+    """Unit rays (N, 3) at angles off the axis, rad, turned about it from x towards y."""
+    sine = np.sin(angle)
+    return np.stack([sine * np.cos(turn), sine * np.sin(turn), np.cos(angle)], axis=-1)
 
 
 def _rays(camera: Intrinsics, uv: Array) -> Array:

@@ -182,8 +182,9 @@ def test_what_has_another_lens_alone_says_so_in_one_line(said: dict[str, object]
     assert isinstance(refused, dict)
     alone = "takes Brown-Conrady's k1, k2, p1, p2, k3 alone"
     assert refused["opencv"] == (
-        f"format opencv: lens division with k 0.25: the file {alone}; "
-        "formats that hold this rig: none but rig.toml (rigsim.write_rig)"
+        "format opencv: lens division with k 0.25: OpenCV, beside fisheyes and omnidirectional ones, takes "
+        "OpenCV's terms alone (brown, rational); formats that hold this rig: none but rig.toml "
+        "(rigsim.write_rig); or fit its nearest lens with --approximate"
     )
     assert refused["cv2"] == (
         "triangulator 'cv2': OpenCV undistorts no points of a division lens: use 'optimal'"

@@ -18,6 +18,7 @@ from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.rig.shape import relative_turn_deg, sides_exchanged
 from rigsim.study.rig.sight import grid, never_meet
+from rigsim.theory.frusta import last_rays
 
 SHORTEST_BASELINE_M = 1e-3
 LONGEST_BASELINE_M = 5.0
@@ -47,8 +48,6 @@ _USUAL_PX = (
     *((2448, 2048), (2592, 1944), (3264, 2448), (3840, 2160), (4000, 3000), (4032, 3024), (4056, 3040)),
 )
 _CELLS = (48, 36)
-_FEW = 16
-_HALVINGS = 24
 
 
 def remarks_of_rig(rig: StereoRig, changed: StereoRig | None = None) -> tuple[Remark, ...]:
@@ -214,23 +213,11 @@ def unseen_share(camera: Intrinsics) -> tuple[float, float]:
     lost = np.isnan(camera.ray(uv)[:, 2])
     if not lost.any():
         return 0.0, math.inf
-    return float(lost.mean()), _last_angle_deg(camera, uv[lost][:: max(int(lost.sum()) // _FEW, 1)])
+    return float(lost.mean()), float(_off_axis_deg(last_rays(camera, uv[lost])).min())
 
 
-def _last_angle_deg(camera: Intrinsics, lost: Array) -> float:
-    """The least angle off the axis at which the lens ends towards pixels (N, 2) that show nothing, deg.
-
-    By where it sees: inverses are slow where there is none.
-    """
-    turn = np.arctan2(lost[:, 1] - camera.cy, lost[:, 0] - camera.cx)
-    low, high = np.zeros(len(lost)), np.full(len(lost), math.pi)
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2
-        sine = np.sin(middle)
-        rays = np.column_stack([sine * np.cos(turn), sine * np.sin(turn), np.cos(middle)])
-        seen = camera.faces(rays) & np.isfinite(camera.project(rays)[:, 0])
-        low, high = np.where(seen, middle, low), np.where(seen, high, middle)
-    return float(np.degrees(low).min())
+def _off_axis_deg(rays: Array) -> Array:
+    return np.degrees(np.arctan2(np.hypot(rays[:, 0], rays[:, 1]), rays[:, 2]))
 
 
 def _of_overlap(rig: StereoRig) -> Iterator[Remark]:
