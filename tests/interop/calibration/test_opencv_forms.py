@@ -12,7 +12,7 @@ import pytest
 
 from rigsim.errors import InvalidRig
 from rigsim.interop.formats.calibration import parse, read
-from rigsim.interop.formats.kit.reading import RigReading
+from rigsim.interop.formats.kit.reading import Reading, RigReading
 from rigsim.interop.formats.opencv.filestorage import storage_table
 from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.lens.kannala_brandt import KannalaBrandt
@@ -259,6 +259,73 @@ def test_xi_is_an_omnidirectional_lens(tmp_path: Path) -> None:
     path = stored(tmp_path / "omni.xml", K1=K1, D1=F1, K2=K2, D2=F2, **xi, **WHOLE)
     rig = read([path]).rig
     assert (rig.left.lens, rig.right.lens) == (Mei(1.25, *F1[0]), Mei(1.5, *F2[0]))
+
+
+# --- the unit that a file says ------------------------------------------------------------------
+
+NO_UNIT = {"K1": K1.tolist(), "D1": D1.tolist(), "K2": K2.tolist(), "D2": D2.tolist(), "R": R.tolist()}
+NO_UNIT["image_size"] = [1280, 720]
+LONG = float(np.linalg.norm(T)) * 1e3
+
+
+def of_unit(times: float, **said: object) -> Reading:
+    """The rig whose T is written `times` as long as in metres, beside what the file says of lengths."""
+    return parse(json.dumps({**NO_UNIT, "T": (T * times).tolist(), **said}))
+
+
+@pytest.mark.parametrize(
+    ("times", "said", "unit"),
+    [
+        (1e3, {"baseline_mm": LONG}, "mm"),
+        (1e3, {"baseline_cm": round(LONG / 10, 2)}, "mm"),
+        (1e2, {"stereo": {"baseline_mm": -LONG}}, "cm"),
+        (1e3, {"baseline_m": LONG / 1e3}, "mm"),
+        (1e3, {"baseline": LONG / 1e3}, "mm"),
+        (1e2, {"baseline": LONG}, "cm"),
+        (40, {"baseline_mm": LONG, "square_size_mm": 25}, "25mm"),
+        (1e3, {"units": "mm"}, "mm"),
+        (1e3, {"square_size_mm": 24.5}, "mm"),
+    ],
+)
+def test_a_baseline_or_a_board_s_side_tells_the_unit(
+    times: float, said: dict[str, object], unit: str
+) -> None:
+    found = of_unit(times, **said)
+    assert found.unit == unit
+    is_the_rig(found.rig)
+    assert [remark.code for remark in found.remarks] == ([] if "units" in said else ["unit_said"])
+    same = parse(json.dumps({**NO_UNIT, "T": (T * times).tolist(), **said}), RigReading(unit=unit))
+    is_the_rig(same.rig)
+    assert same.remarks == ()
+
+
+def test_metres_are_no_news_and_the_same_number_twice_tells_nothing() -> None:
+    for said in ({"baseline_m": LONG / 1e3}, {"square_size_m": 0.025}, {"baseline": LONG / 1e3}):
+        found = of_unit(1, **said)
+        is_the_rig(found.rig)
+        assert found.remarks == ()
+    with pytest.raises(InvalidRig, match="unit of its lengths is not said"):
+        of_unit(1e3, baseline=LONG)
+    with pytest.raises(InvalidRig, match="unit of its lengths is not said"):  # 29 mm, or 7 squares
+        parse(json.dumps({**NO_UNIT, "T": [-29, 0, 0], "square_size_mm": 25}))
+
+
+def test_a_person_s_unit_goes_before_the_file_s() -> None:
+    text = json.dumps({**NO_UNIT, "T": (T * 1e3).tolist(), "baseline_mm": LONG})
+    found = parse(text, RigReading(unit="cm"))
+    assert found.rig.baseline_m == pytest.approx(LONG / 1e2)
+    assert [remark.code for remark in found.remarks] == ["unit_said"]
+
+
+def test_a_baseline_of_no_unit_is_remarked_on() -> None:
+    for times, said in (
+        (1, {"baseline": 0.68}),
+        (1, {"baseline_mm": 85.2}),
+        (1, {"baseline_mm": 83.1, "unit": "cm"}),
+    ):
+        (remark, *_) = of_unit(times, **said).remarks
+        assert remark.code == "baseline_differs"
+        assert f"{next(iter(said.values()))} differs from the length 0.08313 of T" in remark.text
 
 
 # --- what is no calibration ---------------------------------------------------------------------
