@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
-from rigsim.errors import InvalidRig
+from rigsim.errors import InvalidRig, OutputError
 from rigsim.interop.formats.calibration import parse, read
 from rigsim.interop.formats.kit.reading import Reading, RigReading
 from rigsim.interop.formats.opencv.filestorage import storage_table
@@ -68,8 +68,8 @@ NAMES: dict[str, dict[str, object]] = {
         "dist_coeffs_right": D2,
         "Image_Width": 1280,
         "Image_Height": 720,
-        "rotation_matrix": R,
-        "translation_vector": T,
+        "rotation_mat": R,
+        "translation_vec": T,
     },
     "first": {
         "left_camera_matrix": K1,
@@ -326,6 +326,65 @@ def test_a_baseline_of_no_unit_is_remarked_on() -> None:
         (remark, *_) = of_unit(times, **said).remarks
         assert remark.code == "baseline_differs"
         assert f"{next(iter(said.values()))} differs from the length 0.08313 of T" in remark.text
+
+
+# --- names that are not understood --------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("renamed", "said"),
+    [
+        (
+            {"R": "turn_ab"},
+            "but not R between the cameras; not understood: turn_ab; rename",
+        ),
+        (
+            {"T": "shift"},
+            "but not T between the cameras; not understood: shift; rename",
+        ),
+        (
+            {"R": "turn_ab", "T": "shift"},
+            "but not R and T between the cameras; not understood: turn_ab",
+        ),
+        (
+            {"K1": "K_event", "D1": "dist_event", "K2": "K_ir", "D2": "dist_ir"},
+            "has R and T, and no camera matrices found; not understood: K_event, dist_event, K_ir, dist_ir;",
+        ),
+        (
+            {"K1": "cam_K", "K2": "proj_K"},
+            "matrix, cam_K, of no side; not understood: proj_K",
+        ),
+        ({"K2": "K_ir"}, "K2 is missing: the right camera's matrix; not understood: K_ir; rename what is K2"),
+    ],
+)
+def test_what_was_not_understood_is_named_and_renaming_it_cures(renamed: dict[str, str], said: str) -> None:
+    values: dict[str, object] = {**NO_UNIT, "T": T[:, 0].tolist()}
+    with pytest.raises(InvalidRig) as caught:
+        parse(json.dumps({renamed.get(key, key): value for key, value in values.items()}))
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+    is_the_rig(parse(json.dumps(values)).rig)
+
+
+def test_six_names_are_enough() -> None:
+    values = {"K1": NO_UNIT["K1"], "K2": NO_UNIT["K2"], **{f"odd_{letter}": [1, 2] for letter in "abcdefgh"}}
+    with pytest.raises(InvalidRig, match="odd_e, odd_f; rename what is R and T, or name the file"):
+        parse(json.dumps(values))
+
+
+def test_a_folder_with_a_file_of_a_known_name_says_what_it_looks_like(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("calibrated on Monday")
+    path = tmp_path / "calib.txt"
+    for text, said in (
+        ("1 2 3\n4 5 6\n", "looks like a table of numbers"),
+        (
+            "D = [0.1]\n# oST version 5.0\n[image]\n",
+            "looks like what ROS's",
+        ),
+    ):
+        path.write_text(text)
+        with pytest.raises(OutputError, match=f"holds no calibration: .*calib.txt: {said}"):
+            read([tmp_path])
 
 
 # --- what is no calibration ---------------------------------------------------------------------
