@@ -119,7 +119,8 @@ def _scene() -> MadeScene:
             texts.append(f'<text name="board:{name}" data="rows={_ROWS} cols={_COLS} square_mm=60"/>')
             geoms.append(
                 f'<body pos="{x} {y} {z}" zaxis="{-x} {-y} {-z}">'
-                f'<geom name="{name}" type="box" size="{size}" euler="0 0 {17 + 31 * k}" material="board"/></body>'
+                f'<geom name="{name}" type="box" size="{size}" euler="0 0 {17 + 31 * k}" '
+                'material="board"/></body>'
             )
     return MadeScene(
         "boards all about",
