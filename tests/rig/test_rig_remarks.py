@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -112,6 +113,23 @@ def test_focal_lengths_are_compared_where_they_are_the_same_thing() -> None:
     assert codes(rig(right=omni)) == []
     stretched = CAMERA.resized(1280, 660)
     assert codes(rig(stretched, stretched)) == ["focal_lengths", "focal_lengths"]
+
+
+def test_focal_lengths_in_millimetres() -> None:
+    def pair(focal: float) -> StereoRig:
+        return rig(Intrinsics(1280, 720, focal, focal, 639.5, 359.5))
+
+    # 1280 px are 170 deg wide at 640 / tan(85 deg) = 56 px
+    assert codes(pair(55.0)) == ["focal_unit", "focal_unit"]
+    assert codes(pair(57.0)) == []
+    fisheye = Intrinsics(1280, 720, 55.0, 55.0, 639.5, 359.5, KannalaBrandt())
+    assert "focal_unit" not in codes(rig(fisheye))  # its circle is small, no more
+
+
+def test_a_pair_of_which_one_has_no_distortion() -> None:
+    assert codes(rig(right=replace(CAMERA, lens=None))) == ["one_lens"]
+    assert "right camera has no distortion" in remarks_of_rig(rig(right=replace(CAMERA, lens=None)))[0].text
+    assert codes(rig(replace(CAMERA, lens=None), CAMERA)) == ["one_lens"]
 
 
 def test_a_fold_by_hand() -> None:

@@ -41,6 +41,9 @@ FOLD_SHARE = 1e-3
 FOLD_DEG = 80.0
 """A lens that ends beyond this is a fisheye whose circle ends in the picture: nothing folds."""
 
+WIDEST_DEG = 170.0
+"""No flat picture is so wide: focal lengths in mm are taken for px."""
+
 _USUAL_PX = (
     *((320, 240), (424, 240), (480, 270), (512, 512), (640, 360), (640, 400), (640, 480), (672, 376)),
     *((752, 480), (800, 600), (848, 480), (960, 540), (1024, 768), (1024, 1024), (1280, 720), (1280, 800)),
@@ -62,6 +65,7 @@ def remarks_of_rig(rig: StereoRig, changed: StereoRig | None = None) -> tuple[Re
         *_of_sides(rig),
         *_of_principal_points(rig),
         *_of_focal_lengths(rig),
+        *_of_lenses(rig),
         *_of_folds(changed or rig),
         *_of_overlap(changed or rig),
     )
@@ -183,6 +187,26 @@ def _of_focal_lengths(rig: StereoRig) -> Iterator[Remark]:
                 f"fx {fx:.5g} px and fy {fy:.5g} px of the {name} camera differ by "
                 f"{100 * abs(fy / fx - 1):.3g} %: pixels are square; was the picture stretched, or the "
                 "board turned too little?",
+            )
+
+
+def _of_lenses(rig: StereoRig) -> Iterator[Remark]:
+    sides = (("left", rig.left), ("right", rig.right))
+    for name, camera in sides:
+        fx, _ = paraxial_px(camera)
+        flat_deg = 2 * math.degrees(math.atan(camera.width / 2 / fx))
+        if not camera.is_wide and flat_deg > WIDEST_DEG:
+            yield Remark(
+                "focal_unit",
+                f"focal length {fx:.4g} px of the {name} camera makes a flat picture of {camera.width} px "
+                f"{flat_deg:.4g} deg wide, over {WIDEST_DEG:g}: is it in mm? In px it is the mm over a "
+                "pixel's size; or is the lens a fisheye's, of another model?",
+            )
+    for (name, camera), (other, its) in (sides, sides[::-1]):
+        if camera.lens is None and its.lens is not None:
+            yield Remark(
+                "one_lens",
+                f"the {name} camera has no distortion and the {other} one has: are its coefficients missing?",
             )
 
 
