@@ -70,7 +70,7 @@ def camera_of(
     camera, distortion = _words(*models)
     if camera == "pinhole" and distortion in _OPENCV_S:
         D = numbers(values[1] or [], f"distortion_coeffs{of}")
-        lens = opencv_distortion(D, f"distortion_coeffs{of}")
+        lens: Lens | None = opencv_distortion(D, f"distortion_coeffs{of}")
         return _intrinsics(size, numbers(values[0], f"intrinsics{of}", 4), lens, of)
     if distortion == "plumb_bob":
         distortion = "radtan"
