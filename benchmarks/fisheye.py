@@ -1,8 +1,8 @@
 """Pictures of wide lenses against the projected truth: corners of boards all about a camera.
 
-Boards on a sphere of a metre, from straight ahead to past 90 degrees off the axis. The detector looks for whole
-boards, which it knows by straight lines; where a lens bends them too much to be found, its own sub-pixel fit
-starts half a pixel beside each projected corner. Both are told. The light is linear, the levels are 8 bits.
+Boards on a sphere of a metre, from straight ahead to past 90 degrees off the axis. The detector looks for
+whole boards, which it knows by straight lines; so that none is left out, its own sub-pixel fit also starts
+half a pixel beside each projected corner. Both are told. Light is linear, levels are 8 bits.
 """
 
 from __future__ import annotations
@@ -83,7 +83,8 @@ def _fitted(levels: Array, camera: Intrinsics, points: Array) -> tuple[Array, Ar
 
 def _found(levels: Array, camera: Intrinsics, points: Array) -> Array:
     """Errors (N, 2) px of the corners of the boards that the detector finds by itself."""
-    true = np.concatenate([uv for _, uv in _boards(camera, points)])
+    true = camera.project(points)
+    true = true[np.isfinite(true).all(axis=1)]
     errors = []
     for board in find_sizes(levels, [(_ROWS, _COLS)], name="picture", limit=64):
         uv = board.uv[board.valid]
@@ -117,8 +118,9 @@ def _scene() -> MadeScene:
             name = f"b{angle}_{k}"
             texts.append(f'<text name="board:{name}" data="rows={_ROWS} cols={_COLS} square_mm=60"/>')
             geoms.append(
-                f'<body pos="{x} {y} {z}" zaxis="{-x} {-y} {-z}"><geom name="{name}" type="box" size="{size}" '
-                f'euler="0 0 {17 + 31 * k}" material="board"/></body>'
+                f'<body pos="{x} {y} {z}" zaxis="{-x} {-y} {-z}">'
+                f'<geom name="{name}" type="box" size="{size}" euler="0 0 {17 + 31 * k}" '
+                'material="board"/></body>'
             )
     return MadeScene(
         "boards all about",

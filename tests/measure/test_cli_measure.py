@@ -202,8 +202,8 @@ def test_keys_stand_in_the_order_of_the_model(here: Path, capsys: pytest.Capture
     assert misplaced("measure", told) == []
     # made by hand from the docs: the rig's size before its focal length, the counts before the errors
     assert list(told["rig"])[:4] == ["width_px", "height_px", "focal_px", "baseline_mm"]
-    assert list(told["dense"])[:6] == [
-        *("matcher", "rectified_first", "image_fill_pct", "n", "invalid_pct", "bad_0_5_pct")
+    assert list(told["dense"])[:7] == [
+        *("matcher", "rectified_first", "view", "image_fill_pct", "n", "invalid_pct", "bad_0_5_pct")
     ]
 
 

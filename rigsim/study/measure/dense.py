@@ -17,8 +17,7 @@ from rigsim.study.measure.truth import dense_errors
 
 
 def dense_map(
-    image_left: AnyImage,
-    image_right: AnyImage,
+    pair: tuple[AnyImage, AnyImage],
     rig: StereoRig,
     *,
     matcher: Matcher,
@@ -32,6 +31,7 @@ def dense_map(
     Raises:
         MeasurementFailed: the pair cannot be rectified, or the matcher failed.
     """
+    image_left, image_right = pair
     rectification = rectify(rig, view)
     rectified = rectification.rig is not rig
     on_both = None

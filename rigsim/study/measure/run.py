@@ -96,8 +96,7 @@ def measure_pair(
         if look.found is not None and searched is None:
             searched = look.found.disparity_range
         dense = dense_map(
-            image_left,
-            image_right,
+            (image_left, image_right),
             rig,
             matcher=wanted.matcher,
             disparity_range=searched,

@@ -70,8 +70,8 @@ def camera_of(
     camera, distortion = _words(*models)
     if camera == "pinhole" and distortion in _OPENCV_S:
         D = numbers(values[1] or [], f"distortion_coeffs{of}")
-        planar = opencv_distortion(D, f"distortion_coeffs{of}")
-        return _intrinsics(size, numbers(values[0], f"intrinsics{of}", 4), planar, of)
+        lens: Lens | None = opencv_distortion(D, f"distortion_coeffs{of}")
+        return _intrinsics(size, numbers(values[0], f"intrinsics{of}", 4), lens, of)
     if distortion == "plumb_bob":
         distortion = "radtan"
     counted = _counted(camera, distortion)
