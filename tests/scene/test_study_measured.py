@@ -129,7 +129,7 @@ def test_nothing_found_says_why(boards: Simulator, pictures: Pictures):
 
 
 def test_bins_follow_the_true_depth(corners: MeasuredMatches):
-    bins = bins_of(corners, np.array([0.5, 1.0, 2.0, 4.0]))
+    bins = bins_of(corners, RIG, np.array([0.5, 1.0, 2.0, 4.0]))
     depth = corners.points_left[:, 2]
     assert set(bins[depth > 4]) == {-1}
     assert set(bins[(depth > 1) & (depth < 2)]) == {1}
