@@ -260,7 +260,7 @@ def test_the_sensor_is_told_in_its_numbers(result: SweepResult) -> None:
     ]
     real = Sensor(
         blur_px=0.5,
-        lens=BrownConrady(k1=-0.1, p1=0.001),
+        distortion=BrownConrady(k1=-0.1, p1=0.001),
         full_well_e=10500,
         read_noise_e=2.4,
         grey_noise=1.5,

@@ -203,6 +203,9 @@ def _in_folder(folder: Path) -> list[FileSet]:
         hint = next(hints, None)
         if hint is not None:
             raise OutputError(f"{folder}: holds no whole calibration: {hint}")
+        called = next((file for file in files if file.name in {one.in_folder for one in registry.ALL}), None)
+        if called is not None:
+            raise OutputError(f"{folder}: holds no calibration: {unknown(called)}")
         *others, last = (format.in_folder for format in registry.ALL)
         raise OutputError(
             f"{folder}: holds no calibration; name a folder with {', '.join(others)} or {last}, for example"

@@ -45,7 +45,7 @@ class Found:
     """A rig as its files describe it."""
 
     rig: StereoRig
-    """The rig; its lengths are metres, or where `unit` is None the file's own numbers."""
+    """The rig; its lengths are in `unit`, which the core turns into metres."""
     unit: str | None = "m"
     """The unit that the format, or the file, fixes; None where it says none (a board's squares)."""
     remarks: tuple[Remark, ...] = ()

@@ -18,9 +18,9 @@ from rigsim.interop.formats.format import Format
 from rigsim.interop.formats.kitti import kitti
 from rigsim.interop.formats.makers import matlab, oak, realsense, zed
 from rigsim.interop.formats.opencv import calibration as opencv
-from rigsim.interop.formats.photogrammetry import metashape, mrcal
+from rigsim.interop.formats.photogrammetry import anipose, metashape, mrcal
 from rigsim.interop.formats.robotics import basalt, euroc, kalibr, ros
-from rigsim.interop.formats.slam import orbslam, vins
+from rigsim.interop.formats.slam import ncamera, okvis, orbslam, vins
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
@@ -34,6 +34,8 @@ ALL: tuple[Format, ...] = (
     basalt.FORMAT,
     euroc.FORMAT,
     vins.FORMAT,
+    okvis.FORMAT,
+    ncamera.FORMAT,
     orbslam.FORMAT,
     middlebury.FORMAT,
     kitti.FORMAT,
@@ -46,6 +48,7 @@ ALL: tuple[Format, ...] = (
     matlab.FORMAT,
     mrcal.FORMAT,
     metashape.FORMAT,
+    anipose.FORMAT,
 )
 """All that are read."""
 

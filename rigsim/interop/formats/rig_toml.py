@@ -39,7 +39,6 @@ Numbers are read and scaled as decimals, so what was written is read back bit fo
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Callable
 from dataclasses import fields
 from decimal import Decimal
@@ -49,12 +48,12 @@ from typing import TYPE_CHECKING, TypeVar
 from rigsim import foreign
 from rigsim.errors import InvalidRig
 from rigsim.interop.formats.format import Asked, File, Format, Found, alone, names_sides, swapped
-from rigsim.interop.formats.tables.lens import LARGEST
 from rigsim.interop.formats.tables.rig import (
     perturbation_from_table,
     rig_from_table,
     sensor_from_table,
 )
+from rigsim.interop.formats.toml_text import toml_table
 from rigsim.rig import given
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
@@ -67,7 +66,6 @@ if TYPE_CHECKING:
     from rigsim.rig.sensor import Sensor
 
 _T = TypeVar("_T")
-_MOST_DOTS = 1000  # of a line: keys within keys take the parser the square of that
 
 _PREAMBLE = """\
 # rigsim stereo rig. Lengths in mm, angles in deg, the rest in px; integer pixel = pixel centre.
@@ -163,16 +161,7 @@ def _read(path: Path, parse: Callable[[str], _T]) -> _T:
 
 
 def _table(text: str) -> dict[str, object]:
-    if any(line.count(".") > _MOST_DOTS for line in text.splitlines()):
-        raise InvalidRig(f"is not TOML: a line with more than {_MOST_DOTS} points")
-    try:
-        return tomllib.loads(text, parse_float=Decimal)
-    except ArithmeticError:
-        raise InvalidRig(f"a number is too large: must be within +-{LARGEST:g}") from None
-    except RecursionError:
-        raise InvalidRig("is not TOML: brackets are nested too deep") from None
-    except ValueError as error:
-        raise InvalidRig(f"is not TOML: {' '.join(str(error).split())[:200]}") from None
+    return toml_table(text, Decimal)
 
 
 def _short_text(rig: StereoRig) -> str | None:

@@ -93,11 +93,11 @@ def expand_views(
     Second order in the noise, by differences of a tenth of a standard deviation along the axes of the
     noise's covariance: ``bias = 1/2 sum_k d2 views / dk2``, ``covariance = sum_k (d views / dk)^2``.
     """
-    variances, axes = np.linalg.eigh(noise.covariance_px2)
+    variances, directions = np.linalg.eigh(noise.covariance_px2)
     uv_left, uv_right = rig.project(points_left)
     middle = views(triangulate(rig, uv_left, uv_right, method), axes)
     bias, covariance = np.zeros((len(points_left), 3)), np.zeros((len(points_left), 3, 3))
-    for variance, axis in zip(variances, axes.T, strict=True):
+    for variance, axis in zip(variances, directions.T, strict=True):
         move = _STEP * math.sqrt(max(variance, 0.0)) * axis
         ahead, behind = (
             views(triangulate(rig, uv_left + way * move[:2], uv_right + way * move[2:], method), axes)

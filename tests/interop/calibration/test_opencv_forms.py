@@ -10,9 +10,9 @@ import cv2
 import numpy as np
 import pytest
 
-from rigsim.errors import InvalidRig
+from rigsim.errors import InvalidRig, OutputError
 from rigsim.interop.formats.calibration import parse, read
-from rigsim.interop.formats.kit.reading import RigReading
+from rigsim.interop.formats.kit.reading import Reading, RigReading
 from rigsim.interop.formats.opencv.filestorage import storage_table
 from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.lens.kannala_brandt import KannalaBrandt
@@ -68,8 +68,8 @@ NAMES: dict[str, dict[str, object]] = {
         "dist_coeffs_right": D2,
         "Image_Width": 1280,
         "Image_Height": 720,
-        "rotation_matrix": R,
-        "translation_vector": T,
+        "rotation_mat": R,
+        "translation_vec": T,
     },
     "first": {
         "left_camera_matrix": K1,
@@ -259,6 +259,132 @@ def test_xi_is_an_omnidirectional_lens(tmp_path: Path) -> None:
     path = stored(tmp_path / "omni.xml", K1=K1, D1=F1, K2=K2, D2=F2, **xi, **WHOLE)
     rig = read([path]).rig
     assert (rig.left.lens, rig.right.lens) == (Mei(1.25, *F1[0]), Mei(1.5, *F2[0]))
+
+
+# --- the unit that a file says ------------------------------------------------------------------
+
+NO_UNIT = {"K1": K1.tolist(), "D1": D1.tolist(), "K2": K2.tolist(), "D2": D2.tolist(), "R": R.tolist()}
+NO_UNIT["image_size"] = [1280, 720]
+LONG = float(np.linalg.norm(T)) * 1e3
+
+
+def of_unit(times: float, **said: object) -> Reading:
+    """The rig whose T is written `times` as long as in metres, beside what the file says of lengths."""
+    return parse(json.dumps({**NO_UNIT, "T": (T * times).tolist(), **said}))
+
+
+@pytest.mark.parametrize(
+    ("times", "said", "unit"),
+    [
+        (1e3, {"baseline_mm": LONG}, "mm"),
+        (1e3, {"baseline_cm": round(LONG / 10, 2)}, "mm"),
+        (1e2, {"stereo": {"baseline_mm": -LONG}}, "cm"),
+        (1e3, {"baseline_m": LONG / 1e3}, "mm"),
+        (1e3, {"baseline": LONG / 1e3}, "mm"),
+        (1e2, {"baseline": LONG}, "cm"),
+        (40, {"baseline_mm": LONG, "square_size_mm": 25}, "25mm"),
+        (1e3, {"units": "mm"}, "mm"),
+        (1e3, {"square_size_mm": 24.5}, "mm"),
+    ],
+)
+def test_a_baseline_or_a_board_s_side_tells_the_unit(
+    times: float, said: dict[str, object], unit: str
+) -> None:
+    found = of_unit(times, **said)
+    assert found.unit == unit
+    is_the_rig(found.rig)
+    assert [remark.code for remark in found.remarks] == ([] if "units" in said else ["unit_said"])
+    same = parse(json.dumps({**NO_UNIT, "T": (T * times).tolist(), **said}), RigReading(unit=unit))
+    is_the_rig(same.rig)
+    assert same.remarks == ()
+
+
+def test_metres_are_no_news_and_the_same_number_twice_tells_nothing() -> None:
+    for said in ({"baseline_m": LONG / 1e3}, {"square_size_m": 0.025}, {"baseline": LONG / 1e3}):
+        found = of_unit(1, **said)
+        is_the_rig(found.rig)
+        assert found.remarks == ()
+    with pytest.raises(InvalidRig, match="unit of its lengths is not said"):
+        of_unit(1e3, baseline=LONG)
+    with pytest.raises(InvalidRig, match="unit of its lengths is not said"):  # 29 mm, or 7 squares
+        parse(json.dumps({**NO_UNIT, "T": [-29, 0, 0], "square_size_mm": 25}))
+
+
+def test_a_person_s_unit_goes_before_the_file_s() -> None:
+    text = json.dumps({**NO_UNIT, "T": (T * 1e3).tolist(), "baseline_mm": LONG})
+    found = parse(text, RigReading(unit="cm"))
+    assert found.rig.baseline_m == pytest.approx(LONG / 1e2)
+    assert [remark.code for remark in found.remarks] == ["unit_said"]
+
+
+def test_a_baseline_of_no_unit_is_remarked_on() -> None:
+    for times, said in (
+        (1, {"baseline": 0.68}),
+        (1, {"baseline_mm": 85.2}),
+        (1, {"baseline_mm": 83.1, "unit": "cm"}),
+    ):
+        (remark, *_) = of_unit(times, **said).remarks
+        assert remark.code == "baseline_differs"
+        assert f"{next(iter(said.values()))} differs from the length 0.08313 of T" in remark.text
+
+
+# --- names that are not understood --------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("renamed", "said"),
+    [
+        (
+            {"R": "turn_ab"},
+            "but not R between the cameras; not understood: turn_ab; rename",
+        ),
+        (
+            {"T": "shift"},
+            "but not T between the cameras; not understood: shift; rename",
+        ),
+        (
+            {"R": "turn_ab", "T": "shift"},
+            "but not R and T between the cameras; not understood: turn_ab",
+        ),
+        (
+            {"K1": "K_event", "D1": "dist_event", "K2": "K_ir", "D2": "dist_ir"},
+            "has R and T, and no camera matrices found; not understood: K_event, dist_event, K_ir, dist_ir;",
+        ),
+        (
+            {"K1": "cam_K", "K2": "proj_K"},
+            "matrix, cam_K, of no side; not understood: proj_K",
+        ),
+        ({"K2": "K_ir"}, "K2 is missing: the right camera's matrix; not understood: K_ir; rename what is K2"),
+    ],
+)
+def test_what_was_not_understood_is_named_and_renaming_it_cures(renamed: dict[str, str], said: str) -> None:
+    values: dict[str, object] = {**NO_UNIT, "T": T[:, 0].tolist()}
+    with pytest.raises(InvalidRig) as caught:
+        parse(json.dumps({renamed.get(key, key): value for key, value in values.items()}))
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+    is_the_rig(parse(json.dumps(values)).rig)
+
+
+def test_six_names_are_enough() -> None:
+    values = {"K1": NO_UNIT["K1"], "K2": NO_UNIT["K2"], **{f"odd_{letter}": [1, 2] for letter in "abcdefgh"}}
+    with pytest.raises(InvalidRig, match="odd_e, odd_f; rename what is R and T, or name the file"):
+        parse(json.dumps(values))
+
+
+def test_a_folder_with_a_file_of_a_known_name_says_what_it_looks_like(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("calibrated on Monday")
+    path = tmp_path / "calib.txt"
+    for text, said in (
+        ("1 2 3\n4 5 6\n", "looks like a table of numbers"),
+        (
+            "D = [0.1]\n# oST version 5.0\n[image]\n",
+            "looks like what ROS's",
+        ),
+    ):
+        path.write_text(text)
+        with pytest.raises(OutputError, match=f"holds no calibration: .*calib.txt: {said}"):
+            read([tmp_path])
 
 
 # --- what is no calibration ---------------------------------------------------------------------

@@ -75,7 +75,7 @@ def test_an_odd_baseline_is_said(x: float, codes: list[str]) -> None:
 
 def test_a_file_that_says_its_unit_is_believed() -> None:
     found = parse(text(-62.5) + "unit: mm\n")
-    assert (found.unit, found.rig.baseline_m) == ("m", pytest.approx(0.0625))
+    assert (found.unit, found.rig.baseline_m) == ("mm", pytest.approx(0.0625))
     rig = StereoRig(*[Intrinsics.from_focal(640, 480, 600.0)] * 2, Pose(t=np.array([-9.0, 0.0, 0.0])))
     (content,) = rig_files(rig, "opencv").values()
     assert parse(content).rig == rig  # rigsim's own file is in metres

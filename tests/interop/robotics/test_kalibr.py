@@ -256,3 +256,29 @@ def test_omni_equidistant_is_refused_by_name() -> None:
     )
     with pytest.raises(InvalidRig, match="camera_model omni with distortion_model equidistant of cam0: no"):
         parse_camchain(text + camera("cam1"))
+
+
+@pytest.mark.parametrize("word", ["rational_polynomial", "rational", "plumb_bob"])
+@pytest.mark.parametrize("count", [4, 5, 8, 12, 14])
+def test_opencv_s_terms_in_a_chain_without_camera_models(word: str, count: int) -> None:
+    terms = [-0.31, 0.12, 1.5e-3, -2.5e-4, -0.02, 0.05, 0.011, -0.004, 1e-3, 2e-4, -1e-3, 3e-4, 0.01, -0.02][
+        :count
+    ]
+    lens = (
+        f"distortion_model: {word}\n  distortion_coeffs: {terms}\n  intrinsics: [400.5, 401.25, 322, 239.5]"
+    )
+    way = inverse(BODY_FROM_RIGHT) @ BODY_FROM_LEFT
+    text = camera("cam0", lens) + camera("cam1", lens, T_cn_cnm1=way)
+    read = parse_camchain(text)
+    check_pose(read.rig)
+    assert [remark.code for remark in read.remarks] == ["camera_model"]
+    assert "cam0 and cam1 without camera_model: pinhole assumed" in read.remarks[0].text
+    points = np.array([[0.3, -0.2, 1.0], [-0.25, 0.1, 0.9]])
+    K = np.array([[400.5, 0, 322], [0, 401.25, 239.5], [0, 0, 1]])
+    image, _ = cv2.projectPoints(points, np.zeros(3), np.zeros(3), K, np.array(terms))
+    np.testing.assert_allclose(read.rig.left.project(points), image[:, 0], atol=1e-9)
+    said = text.replace("  distortion_model", "  camera_model: pinhole\n  distortion_model")
+    assert parse_camchain(said).rig == read.rig
+    assert parse_camchain(said).remarks == ()
+    with pytest.raises(InvalidRig, match="has 3 numbers, must be 4"):
+        parse_camchain(text.replace(str(terms), str(terms[:3])))

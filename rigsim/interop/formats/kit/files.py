@@ -38,6 +38,7 @@ _MAGIC = (
     (b"\x89HDF", "an HDF5 file"),
     (b"#ROSBAG", "a ROS bag"),
 )
+_CALIBRATOR = "# oST version"
 _GAP = "\n" * 50
 _KEY = re.compile(r"^[ \t]*\"?([A-Za-z][\w. ]{0,40})\"?[ \t]*([:=])", re.MULTILINE)
 
@@ -119,6 +120,11 @@ def looks_like(file: File) -> str:
         return f"looks like XML with the root {clipped(root[1]) if root else '(none)'}"
     if start.startswith(("{", "[{")):
         return _json(file.text)
+    if _CALIBRATOR in file.text:
+        return (
+            "looks like what ROS's cameracalibrator prints: its button SAVE writes left.yaml and right.yaml,"
+            " which are read"
+        )
     return _keyed(file.text)
 
 

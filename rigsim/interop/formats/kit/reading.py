@@ -104,9 +104,9 @@ def reading(found: Found, format: str, said: RigReading, files: tuple[File, ...]
         InvalidRig: the unit is not known and decides, or the size contradicts.
     """
     _check_size(found.rig, said.size_px)
-    unit = said.unit or found.unit
-    rig = found.rig if said.unit is None else _scaled(found.rig, metres(said.unit))
-    remarks = list(found.remarks)
+    unit = found.unit if said.unit is None else said.unit
+    rig = found.rig if unit is None else _scaled(found.rig, metres(unit))
+    remarks = [one for one in found.remarks if one.code != "unit_said" or said.unit != found.unit]
     if unit is None:
         remarks += _of_unit(rig.baseline_m)
     if said.swap:

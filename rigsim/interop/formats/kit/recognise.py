@@ -12,6 +12,7 @@ from rigsim.errors import InvalidRig, OutputError, RigsimError
 from rigsim.interop.formats import registry
 from rigsim.interop.formats.format import Asked, File, Format, Found
 from rigsim.interop.formats.kit.files import looks_like
+from rigsim.interop.formats.kit.reading import metres
 from rigsim.interop.formats.values import printable
 from rigsim.rig.stereo import StereoRig
 
@@ -141,7 +142,9 @@ def _without_size(found: Found) -> bool:
 def _same(one: Found, other: Found) -> bool:
     a, b = one.rig, other.rig
     turn = np.abs(a.right_from_left.R - b.right_from_left.R).max()
-    lengths = (one.unit is None) != (other.unit is None) or _near(a.baseline_m, b.baseline_m, _SAME_BASELINE)
+    lengths = (one.unit is None) != (other.unit is None) or _near(
+        a.baseline_m * metres(one.unit or "m"), b.baseline_m * metres(other.unit or "m"), _SAME_BASELINE
+    )
     return bool(lengths and turn <= _SAME_TURN and _focals_near(a, b))
 
 

@@ -18,6 +18,7 @@ from rigsim.interop.formats.opencv.filestorage import is_storage, storage_table
 from rigsim.interop.formats.opencv.names import Facts, facts_of, sides_of_files
 from rigsim.interop.formats.opencv.rig import camera_matrix, rig_of
 from rigsim.interop.formats.opencv_yaml import FILE_NAME, IN_METRES, opencv_yaml
+from rigsim.interop.formats.values import clipped
 from rigsim.rig.stereo import StereoRig
 
 _SIDES = ("left", "right")
@@ -100,17 +101,29 @@ def lacks(file: File) -> str | None:
     if part.has_way:
         if facts.has_camera("left") or facts.has_camera("right"):
             side = "right" if facts.has_camera("left") else "left"
-            return f"K{_SIDES.index(side) + 1} is missing: the {side} camera's matrix"
-        return (
-            "has R and T, and no camera matrices: name the file with K1, D1, K2, D2 beside it, as"
-            " --rig intrinsics.yml --rig extrinsics.yml"
-        )
+            own = f"K{_SIDES.index(side) + 1}"
+            return f"{own} is missing: the {side} camera's matrix{_cure(facts, own) if facts.unused else ''}"
+        what = "no camera matrices"
+        if facts.has_camera():
+            key = facts.key("K") if facts.has("K") else "fx, fy, cx, cy"
+            what = f"one camera's matrix, {clipped(key)}, of no side"
+        elif facts.unused:
+            what = "no camera matrices found"
+        return f"has R and T, and {what}{_cure(facts, 'K1, D1, K2, D2')}"
     if facts.has_cameras:
-        return (
-            "has both camera matrices, but not R and T between the cameras: name the file with them beside"
-            " it, as --rig intrinsics.yml --rig extrinsics.yml"
-        )
+        turn, way = facts.has("R") or facts.has("rvec"), facts.has("T")
+        what = "R" if way and not turn else "T" if turn and not way else "R and T"
+        return f"has both camera matrices, but not {what} between the cameras{_cure(facts, what)}"
     return "is the calibration of one camera: name those of both, and the file with R and T"
+
+
+def _cure(facts: Facts, missing: str) -> str:
+    """What to do where something is missing: rename what was not understood, or name another file."""
+    beside = f"name the file with {missing} beside it, as --rig intrinsics.yml --rig extrinsics.yml"
+    if not facts.unused:
+        return f": {beside}"
+    shown = ", ".join(clipped(key) for key in facts.unused[:_MOST_PARTS])
+    return f"; not understood: {shown}; rename what is {missing}, or {beside}"
 
 
 def _open(files: tuple[File, ...], asked: Asked) -> Found:

@@ -22,8 +22,9 @@ _ROLES = {
     "D": "d dc kc dist distcoeff distcoeffs distcoef distcoefs distortion distortioncoefficient coeffs coefs"
     " distortioncoefficients distortioncoeff distortioncoeffs distortioncoefs distortionvector distortionvec"
     " distortionparameters distortionparams distparams distvec cameradistortion distortionmatrix",
-    "R": "r rot rotation rotationmatrix rmat rmatrix rotmat rotmatrix",
-    "T": "t tr trans translation translationvector translationvec translationmatrix tvec tvector tra",
+    "R": "r rot rotation rotationmatrix rotationmat rotationmtx rmat rmtx rmatrix rotmat rotmtx rotmatrix",
+    "T": "t tr trans translation translationvector translationvec translationmatrix translationmat"
+    " transvector transvec tvec tvector tra",
     "rvec": "om rvec rodrigues rotvec rotationvector rvector",
     "xi": "xi",
     "P": "p proj projection projectionmatrix projmat pmat pmatrix",
@@ -37,10 +38,33 @@ _ROLES = {
     "shape": "shape imageshape imgshape",
     "roi": "roi validroi validpixroi",
     "model": "model distortionmodel cameramodel lensmodel projectionmodel cameratype distortiontype",
-    "unit": "unit units lengthunit translationunit tunit",
+    "unit": "unit units lengthunit lengthunits translationunit translationunits tunit tunits",
     "fisheye": "fisheye isfisheye usefisheye fisheyemodel isfisheyecamera",
 }  # fmt: skip
-_ROLE_OF = {name: role for role, names in _ROLES.items() for name in names.split()}
+LENGTH_UNITS: Mapping[str, str] = MappingProxyType(
+    {
+        "mm": "mm millimeter millimeters millimetre millimetres",
+        "cm": "cm centimeter centimeters centimetre centimetres",
+        "m": "m meter meters metre metres",
+    }
+)
+"""Units that may end the name of a length, and their words."""
+_LENGTHS = {
+    "baseline": "baseline baselinelength baselinedistance",
+    "square": "squaresize squarelength squarewidth squareside squaresidelength boardsquaresize patternspacing"
+    " chessboardsquaresize checkerboardsquaresize chesssquaresize",
+}
+_LENGTH_OF = {name: role for role, names in _LENGTHS.items() for name in names.split()} | {
+    f"{name}{word}": f"{role}_{unit}"
+    for role, names in _LENGTHS.items()
+    for name in names.split()
+    for unit, words in LENGTH_UNITS.items()
+    for word in words.split()
+}
+_ROLE_OF = {name: role for role, names in _ROLES.items() for name in names.split()} | _LENGTH_OF
+_LENGTH_ROLES = frozenset(_LENGTH_OF.values())
+_OF_BOTH = frozenset(("R", "T", "rvec", "Q", "unit", *_LENGTH_ROLES))
+"""What is of no camera even in the file of one."""
 _FILLING = (
     frozenset(("camera", "cam", "cameras", "stereo", "calib", "calibration", "params", "parameters", "data")),
     frozenset(["intrinsic", "intrinsics", "extrinsic", "extrinsics", "fisheye", "pinhole"]),
@@ -60,6 +84,8 @@ class Facts:
     values: Mapping[tuple[str, str], tuple[str, object]]
     fisheye: bool = False
     """Whether a key or a word says that the lenses are fisheyes."""
+    unused: tuple[str, ...] = ()
+    """Names, without those of the tables around them, of lists that mean nothing here."""
 
     def has(self, role: str, side: str = "") -> bool:
         """Whether there is such a value."""
@@ -100,8 +126,8 @@ class Facts:
     def of_side(self, side: str) -> Facts:
         """The same facts where what is of no side is of `side`."""
         moved = {(role, own or side): item for (role, own), item in self.values.items()}
-        kept = {key: item for key, item in self.values.items() if key[0] in ("R", "T", "rvec", "Q", "unit")}
-        return Facts(MappingProxyType({**moved, **kept}), self.fisheye)
+        kept = {key: item for key, item in self.values.items() if key[0] in _OF_BOTH}
+        return Facts(MappingProxyType({**moved, **kept}), self.fisheye, self.unused)
 
     def with_(self, other: Facts) -> Facts:
         """These facts, and those of `other` that are not among them."""
@@ -116,6 +142,7 @@ def facts_of(text: str) -> Facts:
         InvalidRig: it holds no table.
     """
     found: dict[tuple[str, str], tuple[str, object]] = {}
+    unused: dict[str, None] = {}
     fisheye = False
     entries = [(path, _words(path, value), value) for path, value in _flat(storage_table(text), ())]
     zero_based = any("0" in words for _, (role, words), _ in entries if role in ("K", "P", "fx"))
@@ -123,12 +150,14 @@ def facts_of(text: str) -> Facts:
         fisheye = fisheye or _says_fisheye(role, path, value)
         side = _side(words, zero_based)
         if role is None or side is None:
+            if isinstance(value, list) and value:
+                unused.setdefault(path[-1])
             continue
         key = ".".join(path)
         known = found.get((role, side))
         if known is None or len(key) < len(known[0]):
             found[role, side] = (key, value)
-    return Facts(MappingProxyType(found), fisheye)
+    return Facts(MappingProxyType(found), fisheye, tuple(unused))
 
 
 def sides_of_files(paths: Sequence[Path]) -> dict[Path, str]:
@@ -174,6 +203,8 @@ def _words(path: tuple[str, ...], value: object) -> tuple[str | None, list[str]]
     role = _role(rest)
     if role in _MATRICES and not (isinstance(value, list) or value is TWICE):
         role = "size" if role == "size" and isinstance(value, str) else None
+    if role in _LENGTH_ROLES and not isinstance(value, int | float):
+        role = None
     if role == "K" and isinstance(value, list) and len(value) == 4:
         role = None  # fx, fy, cx, cy, or others' models
     return role, sides

@@ -15,6 +15,7 @@ from rigsim.errors import InvalidRig
 from rigsim.interop.formats.format import Asked, Found
 from rigsim.interop.formats.opencv.lenses import flat, lens_of
 from rigsim.interop.formats.opencv.names import Facts, check_twice
+from rigsim.interop.formats.opencv.unit import unit_of
 from rigsim.interop.formats.values import (
     lens,
     matrix,
@@ -32,7 +33,6 @@ from rigsim.rig.stereo import StereoRig
 
 _SIDES = ("left", "right")
 _NUMBERS = {"left": "1", "right": "2"}
-_UNITS_M = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
 _SIZE = re.compile(r"\s*\(?\s*(\d+)\s*[xX,; ]\s*(\d+)\s*\)?\s*")
 
 
@@ -57,11 +57,8 @@ def rig_of(facts: Facts, asked: Asked) -> Found:
         lens(*sizes[side], K[side], lens_of(facts, side) if distorts else None, _called(facts, side))
         for side in _SIDES
     )
-    remarks = () if remark is None else (remark,)
-    factor = _UNITS_M.get(_unit(facts.value("unit")))
-    if factor is None:
-        return Found(StereoRig(left, right, pose), None, remarks)
-    return Found(StereoRig(left, right, Pose(pose.R, pose.t * factor)), "m", remarks)
+    unit, remarks = unit_of(facts, pose.t)
+    return Found(StereoRig(left, right, pose), unit, remarks if remark is None else (remark, *remarks))
 
 
 def camera_matrix(facts: Facts, side: str) -> Array | None:
@@ -72,19 +69,6 @@ def camera_matrix(facts: Facts, side: str) -> Array | None:
         return _camera_matrix(facts, side)
     except InvalidRig:
         return None
-
-
-def _unit(value: object) -> str:
-    word = str(value).strip().lower()
-    words = {
-        "meter": "m",
-        "metre": "m",
-        "millimeter": "mm",
-        "millimetre": "mm",
-        "centimeter": "cm",
-        "inch": "in",
-    }
-    return words.get(word.removesuffix("s") if len(word) > 2 else word, word)
 
 
 def _called(facts: Facts, side: str) -> str:

@@ -63,7 +63,11 @@ def parse_camchain(text: str, asked: Asked | None = None) -> Found:
     first, second, remarks = two_of(names, asked or Asked())
     left, right = (_camera(table[names[i]], names[i]) for i in (first, second))
     pose, more = _pose(table, names, first, second)
-    return Found(StereoRig(left, right, pose), "m", (*remarks, *more))
+    return Found(
+        StereoRig(left, right, pose),
+        "m",
+        (*remarks, *_of_models(table, [names[i] for i in (first, second)]), *more),
+    )
 
 
 def _camera_text(camera: Intrinsics, side: str, overlaps: int) -> str:
@@ -82,11 +86,22 @@ def _camera_text(camera: Intrinsics, side: str, overlaps: int) -> str:
     )
 
 
+def _of_models(table: Mapping[str, object], names: Sequence[str]) -> tuple[Remark, ...]:
+    """What is to be said where cameras have no camera model."""
+    cameras = [(name, table[name]) for name in names]
+    without = [name for name, own in cameras if isinstance(own, Mapping) and own.get("camera_model") is None]
+    if not without:
+        return ()
+    text = f"{' and '.join(without)} without camera_model: pinhole assumed; add camera_model if it is another"
+    return (Remark("camera_model", text),)
+
+
 def _camera(table: object, name: str) -> Intrinsics:
     of = f" of {name}"
-    model = member(table, "camera_model", name)
-    assert isinstance(table, Mapping)
     width, height = numbers(member(table, "resolution", name), f"resolution{of}", 2)
+    assert isinstance(table, Mapping)
+    model = table.get("camera_model")
+    model = "pinhole" if model is None else model
     return camera_of(
         (pixels(float(width), f"width{of}"), pixels(float(height), f"height{of}")),
         (model, table.get("distortion_model")),

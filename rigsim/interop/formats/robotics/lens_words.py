@@ -11,7 +11,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from rigsim.errors import InvalidRig
-from rigsim.interop.formats.values import numbers, shown
+from rigsim.interop.formats.values import numbers, opencv_distortion, shown
+from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.lens.double_sphere import DoubleSphere
@@ -42,11 +43,14 @@ _FIRST = {"pinhole": (), "omni": ("xi",), "ds": ("xi", "alpha"), "eucm": ("alpha
 _COUNTS = {"radtan": 4, "equidistant": 4, "fov": 1, "none": 0}
 
 _ALIASES = {
-    "radial-tangential": "radtan", "radial_tangential": "radtan", "plumb_bob": "radtan", "brown": "radtan",
+    "radial-tangential": "radtan", "radial_tangential": "radtan", "brown": "radtan",
     "equi": "equidistant", "fisheye": "equidistant", "kannala_brandt": "equidistant", "atan": "fov",
     "": "none", "mei": "omni", "unified": "omni", "double_sphere": "ds", "double-sphere": "ds",
 }  # fmt: skip
 """Other words for the same."""
+
+_OPENCV_S = ("rational_polynomial", "rational", "plumb_bob", "radtan8", "opencv")
+"""Words for OpenCV's lens of 4, 5, 8, 12 or 14 terms: not Kalibr's own, but in files of its form."""
 
 
 def camera_of(
@@ -64,12 +68,18 @@ def camera_of(
         InvalidRig: no lens is of these models together, or numbers are missing or cannot be.
     """
     camera, distortion = _words(*models)
+    if camera == "pinhole" and distortion in _OPENCV_S:
+        D = numbers(values[1] or [], f"distortion_coeffs{of}")
+        lens: Lens | None = opencv_distortion(D, f"distortion_coeffs{of}")
+        return _intrinsics(size, numbers(values[0], f"intrinsics{of}", 4), lens, of)
+    if distortion == "plumb_bob":
+        distortion = "radtan"
     counted = _counted(camera, distortion)
     coefficients = numbers(values[1] or [], f"distortion_coeffs{of}")
     if distortion == "radtan" and camera in ("ds", "eucm") and not coefficients.any():
         distortion, coefficients = "none", coefficients[:0]  # programs that have a line for it and no use
     if not counted or (camera, distortion) not in _LENSES:
-        known = ", ".join("-".join(pair) for pair in _LENSES)
+        known = ", ".join("-".join(pair) for pair in (*_LENSES, ("pinhole", "rational_polynomial")))
         raise InvalidRig(
             f"camera_model {shown(models[0])} with distortion_model {shown(models[1])}{of}: no lens of these;"
             f" read are {known}: calibrate with one of them"
@@ -85,9 +95,17 @@ def camera_of(
     intrinsics = numbers(values[0], f"intrinsics{of}", len(first) + 4)
     model = _LENSES[camera, distortion]
     terms = [float(term) for term in (*intrinsics[: len(first)], *coefficients)]
-    fx, fy, cx, cy = (float(value) for value in intrinsics[len(first) :])
     try:
-        return Intrinsics(*size, fx, fy, cx, cy, None if model is None else model(*terms))
+        lens = None if model is None else model(*terms)
+    except InvalidRig as error:
+        raise InvalidRig(f"camera{of}: {error}") from None
+    return _intrinsics(size, intrinsics[len(first) :], lens, of)
+
+
+def _intrinsics(size: tuple[int, int], ends: Array, lens: Lens | None, of: str) -> Intrinsics:
+    fx, fy, cx, cy = (float(value) for value in ends)
+    try:
+        return Intrinsics(*size, fx, fy, cx, cy, lens)
     except InvalidRig as error:
         raise InvalidRig(f"camera{of}: {error}") from None
 
