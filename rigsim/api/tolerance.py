@@ -14,6 +14,7 @@ from rigsim.api.result import Result
 from rigsim.api.rigs import RigLike, read_rig
 from rigsim.errors import InvalidRange
 from rigsim.rig import given
+from rigsim.rig.lens.distortion import are_brown
 from rigsim.rig.noise import coordinate_noise_px
 from rigsim.rig.quantity import NOISE_PX
 from rigsim.rig.remark import Remark
@@ -284,10 +285,15 @@ def _motion(options: ToleranceOptions) -> dict[str, Any]:
 
 
 def _remarks(options: ToleranceOptions, result: ToleranceResult) -> tuple[Remark, ...]:
-    """Whether a motion was given that acts on nothing."""
+    """Whether a motion was given that acts on nothing, and what a class has no tolerance of."""
+    found: tuple[Remark, ...] = ()
+    bent = next((lens for lens in (result.rig.left.lens, result.rig.right.lens) if not are_brown(lens)), None)
+    if bent is not None and options.tolerance_class != NO_CLASS:
+        text = f"a lens is a {bent.model}: the class's tolerances of k1 are Brown-Conrady's, and left out"
+        found = (Remark("no_k1", text),)
     motion = _motion(options)
     given_motion = bool(options.speed_m_s or motion["forward_speed_m_s"] or motion["turn_rate_deg_s"])
     if not given_motion or result.tolerances.time_offset_ms:
-        return ()
+        return found
     text = "a speed or a turn rate acts on a time offset alone: add --tolerance time=2ms, say"
-    return (Remark("no_time_offset", text),)
+    return (*found, Remark("no_time_offset", text))

@@ -140,7 +140,7 @@ class Intrinsics:
 
     def edge_angles_deg(self, axis: int) -> tuple[float, float]:
         """Angles off the axis, deg, of the outermost rays that are shown in the principal point's row (0) or
-        column (1): the first is below 0."""
+        column (1), the first towards the image's beginning."""
         center = np.array([self.cx, self.cy])
         ends = np.array([center, center])
         ends[:, axis] = -0.5, (self.width, self.height)[axis] - 0.5
@@ -168,6 +168,14 @@ class Intrinsics:
     def ray(self, uv: npt.ArrayLike) -> Array:
         """Unit rays (..., 3) in the camera's frame of pixels (..., 2); NaN where the lens shows nothing."""
         return by_rows(self._ray, np.asarray(uv, dtype=np.float64), 3)
+
+    @property
+    def axial_focal_px(self) -> tuple[float, float]:
+        """Focal lengths along u and v on the optical axis, px: the same thing in every lens model."""
+        if self.lens is None:
+            return self.fx, self.fy
+        J = self.jacobian(np.array([0.0, 0.0, 1.0]))
+        return float(J[0, 0]), float(J[1, 1])
 
     @property
     def is_wide(self) -> bool:

@@ -21,6 +21,7 @@ from rigsim.theory.frusta import Shared, nearest_common_depth, outline, shared_v
 from rigsim.theory.uncertainty import predict_depth_std
 
 _ALONG = 4097
+_LINES = 33
 _ENDLESS = 1e3
 """Extents in depths beyond which a lens shows the plane's points next to 90 degrees off its axis."""
 
@@ -85,12 +86,11 @@ def shifts_for_range(
 def field_of_view_deg(camera: Intrinsics) -> tuple[float, float]:
     """Horizontal and vertical angle, deg, that the camera sees, where it is widest; distortion included.
 
-    Of a lens that shows more than a half space, in the row and the column of its principal point.
+    Of a lens that may show more than a half space, in the row and the column of its principal point.
     """
-    rays = outline(camera)
-    if not (rays[:, 2] > 0).all():
+    if camera.is_wide:
         return camera.hfov_deg, camera.vfov_deg
-    x, y = np.arctan(rays[:, :2] / rays[:, 2:]).T
+    x, y = np.arctan(outline(camera)[:, :2]).T
     return math.degrees(x.max() - x.min()), math.degrees(y.max() - y.min())
 
 
@@ -107,14 +107,21 @@ def overlap_fov_deg(rig: StereoRig) -> tuple[float, float]:
 
 
 def _shared_far_deg(rig: StereoRig, axis: int) -> float:
-    """Angle, deg, that both cameras see far away along the left principal point's row (0) or column (1)."""
+    """Angle, deg, that both cameras see far away along the left principal point's row (0) or column (1), or
+    along the nearest that shows something to both."""
     camera = rig.left
-    uv = np.tile([camera.cx, camera.cy], (_ALONG, 1))
-    uv[:, axis] = np.linspace(-0.5, (camera.width, camera.height)[axis] - 0.5, _ALONG)
-    rays = camera.ray(uv)
-    shown = rig.right.contains(rig.right.project(rays @ rig.right_from_left.R.T))
-    angles = np.degrees(np.arctan2(rays[:, axis], rays[:, 2]))[shown]
-    return float(np.ptp(angles)) if angles.size else 0.0
+    size, center = (camera.width, camera.height), (camera.cx, camera.cy)
+    lines = np.append(np.linspace(0, size[1 - axis] - 1, _LINES), center[1 - axis])
+    lines = lines[(lines >= -0.5) & (lines <= size[1 - axis] - 0.5)]
+    for line in lines[np.argsort(np.abs(lines - center[1 - axis]))]:
+        uv = np.full((_ALONG, 2), line)
+        uv[:, axis] = np.linspace(-0.5, size[axis] - 0.5, _ALONG)
+        rays = camera.ray(uv)
+        shown = rig.right.contains(rig.right.project(rays @ rig.right_from_left.R.T))
+        angles = np.degrees(np.arctan2(rays[:, axis], rays[:, 2]))[shown]
+        if angles.size:
+            return float(np.ptp(angles))
+    return 0.0
 
 
 class Overlap(NamedTuple):
@@ -127,7 +134,7 @@ class Overlap(NamedTuple):
     height_m: Array
     """Extent along the left image's columns, m."""
     columns_px: Array
-    """Columns of the left image that show any of it, px."""
+    """Columns of the left image that show any of it, px; NaN where it goes on beside the camera."""
     rows_px: Array
     """Rows of the left image that show any of it, px."""
 
@@ -143,6 +150,10 @@ def overlap_at_depth(rig: StereoRig, depth_m: npt.ArrayLike) -> Overlap:
             if shared.share:
                 width, height = _extents(rig, shared) * z
                 columns, rows = np.ptp(shared.corners_uv, axis=0)
+                if not np.isfinite(width):  # the image has columns that show no plane ahead
+                    columns = np.nan
+                if not np.isfinite(height):
+                    rows = np.nan
                 found[:, place] = width, shared.share, height, columns, rows
     return Overlap(*found.reshape(5, *depth.shape))
 
@@ -178,8 +189,8 @@ def depth_step_m(rig: StereoRig, depth_m: npt.ArrayLike, disparity_step_px: npt.
 
 
 def world_per_pixel_m(rig: StereoRig, depth_m: npt.ArrayLike) -> Array:
-    """Width (...) m that one column of the left image covers at `depth_m` (...): ``Z / fx``."""
-    return np.asarray(np.asarray(depth_m, dtype=np.float64) / rig.left.fx)
+    """Width (...) m that one column covers in the middle of the left image at `depth_m` (...): ``Z / fx``."""
+    return np.asarray(np.asarray(depth_m, dtype=np.float64) / rig.left.axial_focal_px[0])
 
 
 def _extents(rig: StereoRig, shared: Shared) -> Array:

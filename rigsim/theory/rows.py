@@ -29,6 +29,8 @@ from rigsim.rig.perturbation import NAMES
 from rigsim.rig.stereo import StereoRig
 from rigsim.theory.sensitivity import MORE, pixel_moves
 
+_FLAT_DEG = 75.0
+"""Rows are those of a flat picture, which shows no ray further off its axis."""
 LEAST_ANGLE_DEG = 30.0
 """Cameras that look less than this off their baseline have no rows that correspond."""
 
@@ -104,6 +106,9 @@ def _gain(camera: Intrinsics, points: Array, axes: tuple[Array, Array], focal_px
         z = np.where(points[:, 2] > 0, points[:, 2], np.nan)
         ray = points / z[:, None]
         ahead = (ray @ forward)[:, None]
+        if camera.is_wide:
+            sides = np.linalg.norm(ray, axis=1)[:, None] * math.cos(math.radians(_FLAT_DEG))
+            ahead = np.where(ahead > sides, ahead, np.nan)
         per_ray = focal_px * (across[:2] * ahead - forward[:2] * (ray @ across)[:, None]) / ahead**2
         # the lens's part of it: pixels per ideal position
         a, b, c, d = camera.jacobian(ray)[:, :, :2].reshape(-1, 4).T

@@ -96,7 +96,7 @@ for what, do in {
     "opencv": lambda: rigsim.export_rig(rig, "opencv"),
     "cv2": lambda: triangulate_cv2(rig, uv_left, uv_right),
     "k1": lambda: rigsim.Perturbation(both_k1=0.01).apply(rig),
-    "tolerance": lambda: rigsim.tolerance(rig, range_m=(1, 3)),
+    "tolerance": lambda: rigsim.tolerance(rig, range_m=(1, 3), tolerances={"right_k1": 0.01}),
 }.items():
     try:
         do()
@@ -190,9 +190,8 @@ def test_what_has_another_lens_alone_says_so_in_one_line(said: dict[str, object]
         "triangulator 'cv2': OpenCV undistorts no points of a division lens: use 'optimal'"
     )
     assert refused["k1"] == f"lens division with k 0.25: a change of k1 {alone}"
-    assert refused["tolerance"].startswith("tolerance of right k1 ")
-    assert refused["tolerance"].endswith(
-        ": lens division with k 0.25 has no k1: set the tolerances of k1 to 0"
+    assert refused["tolerance"] == (
+        "tolerance of right k1 0.01: is of Brown-Conrady lenses, one is a division: leave it out"
     )
     assert (
         refused["model"] == "bad.toml: left.distortion.model 'fisheye': must be one of brown, rational, "

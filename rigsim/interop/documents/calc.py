@@ -202,15 +202,15 @@ class LimitsAt(Part):
     """Z, along the left camera's optical axis, mm."""
     overlap_share: float
     """Share of the left image's pixels whose points at this Z the right camera sees too, 0 to 1."""
-    overlap_width: float
+    overlap_width: float | None
     """Extent, along the left image's rows, of what both see at this Z, mm; 0 where that is nothing."""
-    overlap_height: float
+    overlap_height: float | None
     """The same along its columns, mm."""
-    dead_band_px: float
+    dead_band_px: float | None
     """Left image columns in which the right camera sees nothing at this Z, px."""
-    dead_band: float
+    dead_band: float | None
     """Their width in the scene, mm."""
-    dead_rows_px: float
+    dead_rows_px: float | None
     """Left image rows in which the right camera sees nothing at this Z, px."""
     row_px: float | None
     """How far below its row in the left image the row in the right one lies, as they are seen, px: on the

@@ -69,7 +69,7 @@ class BrownConrady(NearlyRadialLens):
         return self.p1 == 0 and self.p2 == 0
 
     def aside(self, radius: float) -> float:
-        """As `NearlyRadialLens.aside`: p1 and p2 move a point by up to 3 |p| r^2."""
+        """As `NearlyRadialLens.aside`: p1 and p2 move a point by up to ``3 |p| r^2``."""
         return float(3 * np.hypot(self.p1, self.p2) * radius**2)
 
     def shows(self, normalized: Array) -> Mask:

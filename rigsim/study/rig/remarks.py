@@ -170,7 +170,7 @@ class _Off:
 
 
 def _of_focal_lengths(rig: StereoRig) -> Iterator[Remark]:
-    left, right = paraxial_px(rig.left), paraxial_px(rig.right)
+    left, right = rig.left.axial_focal_px, rig.right.axial_focal_px
     # of the same lens behind another grid, focal length and width grow together
     over = (right[0] / rig.right.width) / (left[0] / rig.left.width) - 1
     if abs(over) > FOCALS_APART:
@@ -193,7 +193,7 @@ def _of_focal_lengths(rig: StereoRig) -> Iterator[Remark]:
 def _of_lenses(rig: StereoRig) -> Iterator[Remark]:
     sides = (("left", rig.left), ("right", rig.right))
     for name, camera in sides:
-        fx, _ = paraxial_px(camera)
+        fx, _ = camera.axial_focal_px
         flat_deg = 2 * math.degrees(math.atan(camera.width / 2 / fx))
         if not camera.is_wide and flat_deg > WIDEST_DEG:
             yield Remark(
@@ -208,12 +208,6 @@ def _of_lenses(rig: StereoRig) -> Iterator[Remark]:
                 "one_lens",
                 f"the {name} camera has no distortion and the {other} one has: are its coefficients missing?",
             )
-
-
-def paraxial_px(camera: Intrinsics) -> tuple[float, float]:
-    """Focal lengths along u and v on the optical axis, px, which are the same thing in every lens model."""
-    J = camera.jacobian(np.array([0.0, 0.0, 1.0]))
-    return float(J[0, 0]), float(J[1, 1])
 
 
 def _of_folds(rig: StereoRig) -> Iterator[Remark]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
+from rigsim.rig.lens.distortion import are_brown
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance.inputs import ESTIMATE, Tolerances
 
@@ -61,7 +62,7 @@ class ToleranceClass:
     """Whether lenses' figures are one camera's, each off on its own: two differ by sqrt(2) more."""
 
     def tolerances(self, rig: StereoRig) -> Tolerances:
-        """The class's tolerances for `rig`."""
+        """The class's tolerances for `rig`; those of k1 are of Brown-Conrady lenses alone."""
         shift = self.length_mm(SEAT_MM)
         amounts: dict[str, tuple[Amount, float]] = {
             "yaw_deg": (self.angle_deg, 1.0),
@@ -84,6 +85,8 @@ class ToleranceClass:
             amounts["left_k1"] = (self.k1, 1.0)
         else:
             amounts["both_k1"] = (self.k1, 1.0)
+        if not are_brown(rig.left.lens, rig.right.lens):
+            amounts = {key: amount for key, amount in amounts.items() if not key.endswith("k1")}
         values: dict[str, Any] = {key: amount.value * factor for key, (amount, factor) in amounts.items()}
         return Tolerances(
             **values,

@@ -195,7 +195,7 @@ def causes(rig: StereoRig, tolerances: Tolerances) -> Causes:
         for lens in (rig.left.lens, rig.right.lens):
             if key.endswith("k1") and lens is not None and not are_brown(lens):
                 what = f"tolerance of {QUANTITIES[key]} {getattr(tolerances, key):g}"
-                raise InvalidRig(f"{what}: lens {lens.said} has no k1: set the tolerances of k1 to 0")
+                raise InvalidRig(f"{what}: is of Brown-Conrady lenses, one is a {lens.model}: leave it out")
     if not keys:
         raise InvalidRange("tolerances: all are 0; give a class or at least one tolerance > 0")
     return Causes(
