@@ -22,7 +22,7 @@ from rigsim.study.tolerance.built import built_depths
 from rigsim.study.tolerance.inputs import QUANTITIES, UNITS, BuildRequirement
 from rigsim.study.tolerance.judge import Judge, make_judge
 from rigsim.study.tolerance.rows import row_errors_px
-from rigsim.study.tolerance.sensitivities import shared_points
+from rigsim.study.tolerance.sensitivities import on_plane, shared_points
 
 MAY_BE_OFF: Mapping[str, tuple[str, float]] = MappingProxyType(
     {
@@ -178,7 +178,7 @@ def bench(rig: StereoRig, required: BuildRequirement, depths_m: Sequence[float],
     u = (np.arange(_COLUMNS) + 0.5) / _COLUMNS * rig.left.width - 0.5
     v = (np.arange(rows) + 0.5) / rows * rig.left.height - 0.5
     uv = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
-    points = np.column_stack([rig.left.normalize(uv), np.ones(len(uv))]) * required.depth_m
+    points = on_plane(rig, uv, np.full(len(uv), required.depth_m))
     seen = np.asarray(np.isfinite(points).all(axis=1))
     seen[seen] = rig.right.contains(rig.project(points[seen])[1])
     parts = [*planes, points[seen]]

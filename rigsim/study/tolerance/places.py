@@ -8,7 +8,7 @@ import numpy as np
 
 from rigsim.rig.arrays import Array
 from rigsim.study.tolerance.run import ToleranceResult
-from rigsim.study.tolerance.sensitivities import causes, first_order
+from rigsim.study.tolerance.sensitivities import causes, first_order, on_plane
 
 _COLUMNS = 64
 
@@ -38,8 +38,8 @@ def places(result: ToleranceResult, most: int = 5) -> Places:
     v = (np.arange(rows) + 0.5) / rows * rig.left.height - 0.5
     z = result.required.depth_m
     uv = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
-    points = np.column_stack([rig.left.normalize(uv) * z, np.full(len(uv), z)])
-    seen = np.isfinite(points).all(axis=1)
+    points = on_plane(rig, uv, np.full(len(uv), z))
+    seen = np.asarray(np.isfinite(points).all(axis=1))
     seen[seen] = rig.right.contains(rig.project(points[seen])[1])
     errors_mm = np.full((len(uv), len(off.keys)), np.nan)
     errors_mm[seen] = 1e3 * first_order(rig, off, points[seen])

@@ -54,6 +54,8 @@ __all__ = [
     "with_values",
 ]
 
+FLAT_DEG = 60.0
+"""Off the axis of a lens that looks past 90 degrees: there a place is twice as far as its depth."""
 _CANDIDATES = 64
 # Roberts' R2 sequence: even cover of a square, the same for every run
 _R2 = (0.7548776662466927, 0.5698402909980532)
@@ -169,10 +171,22 @@ def scattered_points(rig: StereoRig, near_m: float, far_m: float, count: int) ->
     return in_view(rig, 1 / (1 / far_m + turn * (1 / near_m - 1 / far_m)))[:count]
 
 
+def on_plane(rig: StereoRig, uv: Array, z: Array) -> Array:
+    """Points (m, 3) m at depths `z` (m,) of left pixels (m, 2); NaN where the lens shows none.
+
+    Of a lens that looks past 90 degrees, those up to `FLAT_DEG` off the axis: beside the camera a depth says
+    little of a point, and a plane at it is far away.
+    """
+    xy = rig.left.normalize(uv)
+    if rig.left.is_wide:
+        xy = np.where((np.hypot(*xy.T) <= math.tan(math.radians(FLAT_DEG)))[:, None], xy, np.nan)
+    return np.column_stack([xy * z[:, None], z])
+
+
 def in_view(rig: StereoRig, z: Array) -> Array:
     """Those of points (m, 3) m at depths `z`, even over the left image, that the right camera sees too."""
     turn = (0.5 + np.arange(1, len(z) + 1)[:, None] * _R2) % 1
     uv = turn * (rig.left.width, rig.left.height) - 0.5
-    points = np.column_stack([rig.left.normalize(uv) * z[:, None], z])
+    points = on_plane(rig, np.asarray(uv), z)
     points = points[np.isfinite(points).all(axis=1)]
     return np.asarray(points[rig.right.contains(rig.project(points)[1])])
