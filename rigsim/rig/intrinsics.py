@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from rigsim.errors import InvalidRig
+from rigsim.errors import InvalidRange, InvalidRig
 from rigsim.rig import given
 from rigsim.rig.arrays import Array, Mask, by_rows
 from rigsim.rig.lens.lens import Lens, ahead, unit
@@ -162,12 +162,11 @@ class Intrinsics:
 
         NaN where the camera shows nothing: behind a pinhole, beyond a lens's field (`Lens.sees`).
         """
-        points = np.asarray(points_camera, dtype=np.float64)
-        return by_rows(self._project, points, 2)
+        return by_rows(self._project, _coordinates(points_camera, "points", 3), 2)
 
     def ray(self, uv: npt.ArrayLike) -> Array:
         """Unit rays (..., 3) in the camera's frame of pixels (..., 2); NaN where the lens shows nothing."""
-        return by_rows(self._ray, np.asarray(uv, dtype=np.float64), 3)
+        return by_rows(self._ray, _coordinates(uv, "pixels", 2), 3)
 
     @property
     def axial_focal_px(self) -> tuple[float, float]:
@@ -207,7 +206,7 @@ class Intrinsics:
 
     def jacobian(self, points_camera: npt.ArrayLike) -> Array:
         """Derivative (..., 2, 3) px/m of `project` with respect to the point; NaN where that is."""
-        points = np.asarray(points_camera, dtype=np.float64)
+        points = _coordinates(points_camera, "points", 3)
         if self.lens is None:
             with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
                 J = pinhole_jacobian(points, self._straight(points))
@@ -322,3 +321,18 @@ def _whole(value: object, name: str) -> int:
     if not number.is_integer():
         raise InvalidRig(f"{name} {number:g} px: must be a whole number")
     return int(number)
+
+
+def _coordinates(values: npt.ArrayLike, name: str, count: int) -> Array:
+    """Numbers (..., `count`).
+
+    Raises:
+        InvalidRange: they are none, or of another shape.
+    """
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidRange(f"{name} {given.shown(values)}: must be numbers (..., {count})") from None
+    if array.ndim == 0 or array.shape[-1] != count:
+        raise InvalidRange(f"{name} of shape {array.shape}: must be (..., {count})")
+    return array

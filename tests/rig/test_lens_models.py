@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import rigsim
-from rigsim.errors import InvalidRig
+from rigsim.errors import InvalidRange, InvalidRig
 from rigsim.rig.arrays import Array
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.lens import Lens
@@ -220,3 +220,19 @@ def test_many_points_are_gone_through_in_blocks() -> None:
     assert whole.shape == (50, 200, 2)
     np.testing.assert_array_equal(whole[31, 7:19], camera.project(points[31, 7:19]))
     np.testing.assert_array_equal(camera.ray(whole)[31, 7:19], camera.ray(whole[31, 7:19]))
+
+
+@pytest.mark.parametrize("lens", [None, rigsim.KannalaBrandt(0.01)])
+def test_shapes_that_are_none(lens: Lens | None) -> None:
+    camera = _camera(lens)
+    for values in ([1.0, 2.0], 5.0, [1.0, 2.0, 3.0, 4.0], []):
+        with pytest.raises(InvalidRange, match=r"points of shape .*: must be \(\.\.\., 3\)"):
+            camera.project(values)
+        with pytest.raises(InvalidRange, match="points of shape"):
+            camera.jacobian(values)
+    with pytest.raises(InvalidRange, match="pixels of shape"):
+        camera.ray([1.0, 2.0, 3.0])
+    with pytest.raises(InvalidRange, match="points 'abc': must be numbers"):
+        camera.project("abc")
+    assert camera.project(np.empty((0, 3))).shape == (0, 2)
+    assert np.isnan(camera.jacobian([0.0, 0.0, -1.0])).all()

@@ -163,6 +163,11 @@ def _read_once(made: tuple[FileSet, ...], said: RigReading, place: str) -> Readi
     if said.mode is not None and not one.format.has_modes:
         mode = f"mode {said.mode[:30]!r}"
         raise InvalidRig(f"{named(one.files)}: {mode}: {one.format.name} has no modes; leave --rig-mode out")
+    if said.unit is not None and one.format.fixes_unit:
+        raise InvalidRig(
+            f"{named(one.files)}: rig unit {said.unit[:30]!r}: {one.format.name} is in "
+            f"{one.format.fixes_unit} always; leave --rig-unit out"
+        )
     try:
         return reading(found, one.format.name, said, one.files)
     except RigsimError as error:

@@ -109,5 +109,7 @@ class Format:
     """Its files' texts, by name, or `InvalidRig` where it cannot hold the rig; None where none is written."""
     has_modes: bool = False
     """Whether its files may hold several modes, of which ``--rig-mode`` chooses one."""
+    fixes_unit: str = ""
+    """The unit that all its files have by their keys or their maker; empty where one may be said beside."""
     late: bool = False
     """Whether it would take others' files, which use the same names: it gets those that are left."""

@@ -280,4 +280,5 @@ FORMAT = Format(
     "rig.toml",
     groups=alone(knows),
     open=_open,
+    fixes_unit="mm",
 )

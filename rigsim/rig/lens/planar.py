@@ -95,6 +95,7 @@ def pinhole_jacobian(points: Array, normalized: Array) -> Array:
     J = np.zeros((*points.shape[:-1], 2, 3))
     inverse_z = np.where(np.isfinite(normalized[..., 0]), 1 / points[..., 2], np.nan)
     J[..., 0, 0] = inverse_z
+    J[..., 0, 1] = J[..., 1, 0] = 0 * inverse_z  # NaN with the others
     J[..., 1, 1] = inverse_z
     J[..., 0, 2] = -normalized[..., 0] * inverse_z
     J[..., 1, 2] = -normalized[..., 1] * inverse_z

@@ -81,6 +81,13 @@ def test_a_file_that_says_its_unit_is_believed() -> None:
     assert parse(content).rig == rig  # rigsim's own file is in metres
 
 
+def test_a_unit_that_the_format_fixes_is_not_said_again() -> None:
+    toml = rigsim.write_rig(rigsim.preset("bin").rig)
+    for unit in ("mm", "m", "25mm"):
+        with pytest.raises(InvalidRig, match=r"rig.toml is in mm always; leave --rig-unit out"):
+            parse(toml, RigReading(unit=unit))
+
+
 def test_sides_exchanged_are_read_as_they_stand_and_said() -> None:
     found = parse(text(0.06))
     assert found.rig.right_from_left.t.tolist() == [0.06, 0, 0]

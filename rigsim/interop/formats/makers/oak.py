@@ -197,4 +197,5 @@ FORMAT = Format(
     "calib.json",
     groups=alone(_knows),
     open=_open,
+    fixes_unit="cm",
 )

@@ -124,4 +124,5 @@ FORMAT = Format(
     groups=alone(lambda text: _KNOWN.search(text) is not None),
     open=_open,
     has_modes=True,
+    fixes_unit="mm",
 )
