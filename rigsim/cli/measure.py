@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rigsim.cli.kit.answer import claim, command, deliver, quiet
-from rigsim.cli.kit.options import Json, takes, takes_rig
+from rigsim.cli.kit.options import Json, Rectify, takes, takes_rig
 from rigsim.errors import InvalidRange
 from rigsim.typed import quantity
 from rigsim.typed.rigs import RigOptions, single_rig
@@ -50,14 +50,7 @@ class MeasureWords:
     disparity: Annotated[
         str | None, typer.Option(metavar="PX:PX", help="Disparities to search: 0:128, px.")
     ] = None
-    rectify: Annotated[
-        str | None,
-        typer.Option(
-            metavar="VIEW",
-            help="What a pair that is not rectified is turned into before it is matched: perspective, "
-            "cylinder or latlong, the last two about the baseline.  [default: by what the lenses see]",
-        ),
-    ] = None
+    rectify: Rectify = None
     truth: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="True disparity of the left pixels: .pfm, .npy or .png."),

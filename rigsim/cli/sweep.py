@@ -24,6 +24,7 @@ from rigsim.cli.kit.options import (
     Crop,
     PixelPitch,
     PresetName,
+    Rectify,
     Resize,
     RigCameras,
     RigFile,
@@ -102,14 +103,7 @@ class SweepWords:
             "none, corners, patches or dense."
         ),
     ] = "auto"
-    rectify: Annotated[
-        str | None,
-        typer.Option(
-            metavar="VIEW",
-            help="What a pair that is not rectified is turned into before it is matched: perspective, "
-            "cylinder or latlong, the last two about the baseline.  [default: by what the lenses see]",
-        ),
-    ] = None
+    rectify: Rectify = None
     sensor: SensorName = None
     blur: Blur = None
     image_noise: Annotated[

@@ -110,6 +110,14 @@ DisparityNoise = Annotated[
         metavar="PX", help="Standard deviation of a disparity, instead of --noise: sqrt(2) times as much."
     ),
 ]
+Rectify = Annotated[
+    str | None,
+    typer.Option(
+        metavar="VIEW",
+        help="What a pair that is not rectified is turned into before it is matched: perspective, "
+        "cylinder or latlong, the last two about the baseline.  [default: by what the lenses see]",
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document, at full precision.")]
 Csv = Annotated[bool, typer.Option("--csv", help="Print CSV, at full precision.")]
 Markdown = Annotated[bool, typer.Option("--markdown", help="Print a Markdown table.")]

@@ -260,6 +260,8 @@ def _coverage(result: SweepResult) -> list[str]:
     poor = coverage < WELL_COVERED * coverage.max()
     if not poor.any():
         least = percent(coverage.min())
+        if least == percent(1.0):
+            return ["Both cameras see all of the left image's pixels that show the scene."]
         return [f"Both cameras see {least} or more of the left image's pixels that show the scene."]
     worst = rows.loc[coverage.idxmin()]
     under = f"rows under {percent(WELL_COVERED)} of the best coverage"
