@@ -126,3 +126,34 @@ def test_the_overlap_is_what_projection_says(rig: StereoRig) -> None:
     expected = shown.sum() / (rig.left.width * rig.left.height)
     assert 0.1 < expected < 0.99
     assert float(limits.overlap_at_depth(rig, z).fraction) == pytest.approx(expected, abs=0.004)
+
+
+def test_a_pixel_s_width_is_by_the_slope_on_the_axis() -> None:
+    def width_m(lens: rigsim.Mei | rigsim.DoubleSphere | rigsim.FieldOfView) -> float:
+        camera = Intrinsics(640, 480, 500.0, 500.0, 319.5, 239.5, lens)
+        return float(limits.world_per_pixel_m(StereoRig.rectified(camera, 0.1), 2.0))
+
+    # a pinhole's is 2 m / 500 px = 4 mm; the sphere's image is 1 / (1 + xi) of that one, the arc's 2 tan(.5)
+    assert width_m(rigsim.Mei(1.2)) == pytest.approx(4e-3 * 2.2, rel=1e-12)
+    assert width_m(rigsim.DoubleSphere(-0.2, 0.6)) == pytest.approx(4e-3 * 0.8, rel=1e-12)
+    assert width_m(rigsim.FieldOfView(1.0)) == pytest.approx(4e-3 / (2 * np.tan(0.5)), rel=1e-12)
+
+
+@pytest.mark.parametrize("focal_px", [200.0, 215.0, 400.0])
+def test_field_and_overlap_of_equal_cameras_are_one_far_away(focal_px: float) -> None:
+    # the corners lie 97, 90 and 49 degrees off the axis
+    camera = Intrinsics(480, 480, focal_px, focal_px, 239.5, 239.5, rigsim.KannalaBrandt(0.005, -0.001))
+    rig = StereoRig.rectified(camera, 0.1)
+    field = limits.field_of_view_deg(camera)
+    assert field == pytest.approx((camera.hfov_deg, camera.vfov_deg))
+    assert limits.overlap_fov_deg(rig) == pytest.approx(field, abs=0.05)
+
+
+def test_the_overlap_of_a_cut_out_without_its_principal_point() -> None:
+    camera = _fisheye()
+    rig = StereoRig.rectified(camera, 0.1).cropped(430, 400, 150, 120)
+    across, up = limits.overlap_fov_deg(rig)
+    rays = rig.left.ray(np.array([[-0.5, 0.0], [149.5, 0.0]]))  # the row next to the principal point
+    angles = np.degrees(np.arctan2(rays[:, 0], rays[:, 2]))
+    assert across == pytest.approx(angles[1] - angles[0], abs=0.1)
+    assert up > 20
