@@ -15,10 +15,13 @@ from rigsim.pixels.dense.rectify import rectify
 from rigsim.present.tolerance.console import quantity_heads, quantity_rows
 from rigsim.present.tolerance.words import rows_sentence
 from rigsim.rig.arrays import Array
+from rigsim.rig.intrinsics import Intrinsics
+from rigsim.rig.lens.kannala_brandt import KannalaBrandt
 from rigsim.rig.presets import PRESETS
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.design.buildable import expected
 from rigsim.study.tolerance.batch import PARAMETERS, RigBatch, read_rays
+from rigsim.study.tolerance.classes import CLASSES
 from rigsim.study.tolerance.count import count_good
 from rigsim.study.tolerance.first_order.predicted import expect
 from rigsim.study.tolerance.rows import first_order_rows, row_errors_px
@@ -27,6 +30,7 @@ from rigsim.study.tolerance.sensitivities import (
     BuildRequirement,
     Tolerances,
     causes,
+    on_plane,
     sensitivities,
     shared_points,
 )
@@ -222,3 +226,17 @@ def test_design_counts_rows_in_the_yield() -> None:
         assert least < share.good <= most
     # what a bound fails most for is what limits
     assert expected(found.rig, bound, "calibrated", False).limited_by == "right_cy_px"
+
+
+def test_of_a_fisheye_places_within_60_degrees_are_judged_and_no_k1() -> None:
+    lens = Intrinsics(640, 640, 190.0, 190.0, 319.5, 319.5, KannalaBrandt())
+    rig = StereoRig.rectified(lens, 0.1)
+    # 190 px a radian: 59 and 61 degrees lie 195.7 and 202.3 px from the middle
+    points = on_plane(rig, np.array([[319.5 + 195.6, 319.5], [319.5 + 202.3, 319.5]]), np.array([2.0, 2.0]))
+    assert points[0] == pytest.approx([2 * np.tan(195.6 / 190), 0, 2])
+    assert np.isnan(points[1, :2]).all()
+    flat = StereoRig.rectified(Intrinsics.from_focal(640, 480, 500.0), 0.1)
+    for kind in CLASSES.values():
+        assert kind.tolerances(rig).right_k1 == kind.tolerances(rig).both_k1 == 0
+        assert kind.tolerances(flat).right_k1 > 0
+        assert kind.tolerances(rig).yaw_deg == kind.tolerances(flat).yaw_deg
