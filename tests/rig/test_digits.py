@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rigsim.rig.digits import length, short
+from rigsim.digits import length, short
 
 
 @pytest.mark.parametrize(

@@ -55,6 +55,10 @@ class Division(PlanarLens):
         below = (1 + self.k * np.sum(normalized**2, axis=-1))[..., None, None]
         outer = normalized[..., :, None] * normalized[..., None, :]
         return np.eye(2) / below - 2 * self.k * outer / below**2
+
+    def distort_slopes(self, normalized: Array) -> Array:
+        r2 = np.sum(normalized**2, axis=-1, keepdims=True)
+        return (-normalized * r2 / (1 + self.k * r2) ** 2)[..., None]
 '''
 
 TRIAL = """

@@ -65,6 +65,10 @@ class AxialView(Lens):
             image = np.stack([self.along(x, np.hypot(y, z)), np.arctan2(y, z)], axis=-1)
         return np.where(self.sees(points)[..., None], image, np.nan)
 
+    def slopes(self, points: Array) -> Array:
+        """As `Lens.slopes`: it has no coefficients."""
+        return np.zeros((*points.shape[:-1], 2, 0))
+
     def ray(self, image: Array) -> Array:
         """As `Lens.ray`."""
         tangent, row = self.tangent(image[..., 0]), image[..., 1]

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from rigsim.digits import short
 from rigsim.present.kit.format import with_error
-from rigsim.rig.digits import short
 from rigsim.study.compare import columns as col
 from rigsim.study.compare.judge import off_bound, quantile
 from rigsim.study.compare.run import ComparisonResult

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from rigsim.digits import short
 from rigsim.present.kit.sayings import Sentences, spoken
 from rigsim.present.tolerance.words import motion_sentence
-from rigsim.rig.digits import short
 from rigsim.study.design import words as words
 from rigsim.study.design.help import Attempt, Best
 from rigsim.study.design.tolerance import DesignTolerance

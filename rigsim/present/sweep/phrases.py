@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from rigsim.rig.digits import length, short
+from rigsim.digits import length, short
 from rigsim.study.scene.axes import registry
 
 AXIS_WORDS = {

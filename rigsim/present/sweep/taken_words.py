@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from rigsim.digits import short
 from rigsim.present.sweep.phrases import describe, mm, percent
-from rigsim.rig.digits import short
 from rigsim.study.design.words import rounded
 from rigsim.study.scene import columns as col
 from rigsim.study.scene.columns import COLUMNS

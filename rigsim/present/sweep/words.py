@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from rigsim.digits import short
 from rigsim.present.kit import agreement
 from rigsim.present.kit.agreement import fault as fault
 from rigsim.present.kit.agreement import spelled as spelled
 from rigsim.present.kit.format import count
 from rigsim.present.sweep import requirement_words
 from rigsim.present.sweep.phrases import describe, distances, mm, percent, say
-from rigsim.rig.digits import short
 from rigsim.study.agreement.agreement import kinds as kinds_of
 from rigsim.study.scene import columns as col
 from rigsim.study.scene.plan import DEFAULT_SCENE, Held

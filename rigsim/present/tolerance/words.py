@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
+from rigsim.digits import short
 from rigsim.present.kit.format import sampled_percent
 from rigsim.present.kit.motion import moves
 from rigsim.rig.arrays import Mask
-from rigsim.rig.digits import short
 from rigsim.rig.motion import Motion
 from rigsim.study.tolerance.inputs import QUANTITIES, UNITS
 from rigsim.study.tolerance.run import ToleranceResult

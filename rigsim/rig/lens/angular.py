@@ -29,6 +29,10 @@ class AngularLens(Lens):
     def angle(self, radius: Array) -> Array:
         """Angle, rad, of image radii (N,) that the lens shows."""
 
+    @abstractmethod
+    def radius_slopes(self, angle: Array) -> Array:
+        """Derivative (..., p) of `radius` with respect to the coefficients at angles (...)."""
+
     def sees(self, points: Array) -> Mask:
         """As `Lens.sees`."""
         x, y, z = points[..., 0], points[..., 1], points[..., 2]
@@ -80,6 +84,16 @@ class AngularLens(Lens):
             along = -slope * r / (r2 + z * z)
             J[..., 0, 2] = c * along
             J[..., 1, 2] = s * along
+        J[~self.sees(points)] = np.nan
+        return J
+
+    def slopes(self, points: Array) -> Array:
+        """As `Lens.slopes`."""
+        x, y, z = points[..., 0], points[..., 1], points[..., 2]
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            r = np.sqrt(x * x + y * y)
+            outwards = np.where(r[..., None] > 0, points[..., :2] / r[..., None], 0.0)
+            J = np.asarray(outwards[..., None] * self.radius_slopes(np.arctan2(r, z))[..., None, :])
         J[~self.sees(points)] = np.nan
         return J
 

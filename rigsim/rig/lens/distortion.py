@@ -59,6 +59,10 @@ class BrownConrady(NearlyRadialLens):
         """Derivative (N, 2, 2) of `distort` with respect to the ideal coordinates."""
         return polynomial.jacobian(self.coefficients, normalized)
 
+    def distort_slopes(self, normalized: Array) -> Array:
+        """As `PlanarLens.distort_slopes`."""
+        return polynomial.slopes(normalized)
+
     def radial(self, radius: Array) -> tuple[Array, Array]:
         """As `NearlyRadialLens.radial`."""
         return polynomial.radial(self.coefficients, radius)

@@ -60,6 +60,14 @@ class DoubleSphere(QuotientLens):
             (xi * z / first + 1) * (alpha * shifted / second + 1 - alpha),
         )
 
+    def divisor_slopes(self, r2: Array, z: Array) -> Array:
+        """As `QuotientLens.divisor_slopes`."""
+        first = np.sqrt(r2 + z * z)
+        shifted = self.xi * first + z
+        second = np.sqrt(r2 + shifted * shifted)
+        by_shift = self.alpha * shifted / second + 1 - self.alpha
+        return np.stack([first * by_shift, second - shifted], axis=-1)
+
     def sees(self, points: Array) -> Mask:
         """As `Lens.sees`; equations 43 to 45."""
         alpha, xi = self.alpha, self.xi

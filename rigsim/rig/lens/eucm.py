@@ -53,6 +53,11 @@ class Eucm(QuotientLens):
         distance = np.sqrt(self.beta * r2 + z * z)
         return self.alpha * self.beta / distance, self.alpha * z / distance + 1 - self.alpha
 
+    def divisor_slopes(self, r2: Array, z: Array) -> Array:
+        """As `QuotientLens.divisor_slopes`."""
+        distance = np.sqrt(self.beta * r2 + z * z)
+        return np.stack([distance - z, self.alpha * r2 / (2 * distance)], axis=-1)
+
     def sees(self, points: Array) -> Mask:
         """As `Lens.sees`."""
         alpha = self.alpha

@@ -58,6 +58,15 @@ class FieldOfView(AngularLens):
             a / (self.w * (cosine * cosine + a * a * sine * sine)),
         )
 
+    def radius_slopes(self, angle: Array) -> Array:
+        """As `AngularLens.radius_slopes`."""
+        if self.w == 0:
+            return np.zeros((*angle.shape, 1))
+        sine, cosine = np.sin(angle), np.cos(angle)
+        a = 2 * math.tan(self.w / 2)
+        widened = (1 + a * a / 4) * sine * cosine / (cosine * cosine + a * a * sine * sine)
+        return np.asarray((widened - self.radius(angle)[0]) / self.w)[..., None]
+
     def angle(self, radius: Array) -> Array:
         """As `AngularLens.angle`."""
         if self.w == 0:

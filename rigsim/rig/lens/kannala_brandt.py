@@ -48,6 +48,10 @@ class KannalaBrandt(AngularLens):
             1 + s * (3 * k1 + s * (5 * k2 + s * (7 * k3 + s * 9 * k4))),
         )
 
+    def radius_slopes(self, angle: Array) -> Array:
+        """As `AngularLens.radius_slopes`."""
+        return np.stack([angle ** (2 * k + 1) for k in range(1, 5)], axis=-1)
+
     def angle(self, radius: Array) -> Array:
         """As `AngularLens.angle`."""
         return self._root(radius)

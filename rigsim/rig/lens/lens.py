@@ -73,6 +73,10 @@ class Lens(ABC):
     def jacobian(self, points: Array) -> Array:
         """Derivative (..., 2, 3) of `project` with respect to the point; NaN where that is."""
 
+    @abstractmethod
+    def slopes(self, points: Array) -> Array:
+        """Derivative (..., 2, p) of `project` with respect to the p coefficients, in the order of `names`."""
+
     def bent(self, normalized: Array) -> Array:
         """Image coordinates (..., 2) of the rays ``(x, y, 1)``, those not shown included where it can be."""
         return self.project(ahead(normalized))

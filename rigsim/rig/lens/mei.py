@@ -31,6 +31,10 @@ class UnitSphere(QuotientLens):
         distance = np.sqrt(r2 + z * z)
         return self.xi / distance, self.xi * z / distance + 1
 
+    def divisor_slopes(self, r2: Array, z: Array) -> Array:
+        """As `QuotientLens.divisor_slopes`."""
+        return np.asarray(np.sqrt(r2 + z * z)[..., None])
+
     def sees(self, points: Array) -> Mask:
         """As `Lens.sees`: what lies before the sphere's rim, as seen from the shifted centre."""
         x, y, z = points[..., 0], points[..., 1], points[..., 2]
@@ -103,6 +107,12 @@ class Mei(Lens):
     def jacobian(self, points: Array) -> Array:
         """As `Lens.jacobian`."""
         return np.asarray(self._plane.slope(self._shown(points)) @ self._sphere.jacobian(points))
+
+    def slopes(self, points: Array) -> Array:
+        """As `Lens.slopes`."""
+        shown = self._shown(points)
+        by_xi = self._plane.slope(shown) @ self._sphere.slopes(points)
+        return np.concatenate([by_xi, self._plane.distort_slopes(shown)[..., :4]], axis=-1)
 
     def _shown(self, points: Array) -> Array:
         """Coordinates (..., 2) in the plane before its distortion; NaN where the lens shows nothing."""

@@ -50,6 +50,14 @@ class PlanarLens(Lens):
         """As `Lens.ray`."""
         return unit(ahead(self.undistort(image)))
 
+    @abstractmethod
+    def distort_slopes(self, normalized: Array) -> Array:
+        """Derivative (..., 2, p) of `distort` with respect to the coefficients."""
+
+    def slopes(self, points: Array) -> Array:
+        """As `Lens.slopes`."""
+        return self.distort_slopes(self._seen(points))
+
     def bent(self, normalized: Array) -> Array:
         """As `Lens.bent`: all of them."""
         return self.distort(normalized)

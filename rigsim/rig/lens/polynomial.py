@@ -45,6 +45,20 @@ def jacobian(coefficients: Coefficients, normalized: Array) -> Array:
     return J
 
 
+def slopes(normalized: Array) -> Array:
+    """Derivative (..., 2, 5) of `distort` with respect to the coefficients, whose values do not matter."""
+    x, y = normalized[..., 0], normalized[..., 1]
+    r2 = x * x + y * y
+    J = np.empty((*normalized.shape, 5))
+    for place, power in ((0, r2), (1, r2 * r2), (4, r2 * r2 * r2)):
+        J[..., 0, place] = x * power
+        J[..., 1, place] = y * power
+    J[..., 0, 2] = J[..., 1, 3] = 2 * x * y
+    J[..., 1, 2] = r2 + 2 * y * y
+    J[..., 0, 3] = r2 + 2 * x * x
+    return J
+
+
 def is_one_to_one(coefficients: Coefficients, normalized: Array) -> Mask:
     """Whether the Jacobian (..., 2, 2) is positive definite."""
     J = jacobian(coefficients, normalized)

@@ -23,6 +23,10 @@ class QuotientLens(Lens):
     def divisor_slope(self, r2: Array, z: Array) -> tuple[Array, Array]:
         """``c`` and ``g`` of its gradient ``(c x, c y, g)``."""
 
+    @abstractmethod
+    def divisor_slopes(self, r2: Array, z: Array) -> Array:
+        """Derivative (..., p) of ``D`` with respect to the coefficients."""
+
     def project(self, points: Array) -> Array:
         """As `Lens.project`."""
         x, y, z = points[..., 0], points[..., 1], points[..., 2]
@@ -46,3 +50,12 @@ class QuotientLens(Lens):
             J[..., 0, 2] = -x * g
             J[..., 1, 2] = -y * g
         return J
+
+    def slopes(self, points: Array) -> Array:
+        """As `Lens.slopes`."""
+        x, y, z = points[..., 0], points[..., 1], points[..., 2]
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            r2 = x * x + y * y
+            scale = np.where(self.sees(points), 1 / self.divisor(r2, z), np.nan)
+            by = -(scale * scale)[..., None] * self.divisor_slopes(r2, z)
+            return np.asarray(points[..., :2, None] * by[..., None, :])

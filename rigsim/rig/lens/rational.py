@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from rigsim.rig.arrays import Array, Mask
+from rigsim.rig.lens import polynomial
 from rigsim.rig.lens.planar import NearlyRadialLens
 
 _MOST_TILT_RAD = math.radians(80)
@@ -111,6 +112,24 @@ class Rational(NearlyRadialLens):
         flat = replace(self, tau_x=0.0, tau_y=0.0).distort(normalized)
         return np.asarray(_through_slope(_tilt(self.tau_x, self.tau_y), flat) @ J)
 
+    def distort_slopes(self, normalized: Array) -> Array:
+        """As `PlanarLens.distort_slopes`."""
+        x, y = normalized[..., 0], normalized[..., 1]
+        s = x * x + y * y
+        factor, under = self._factor(s), 1 + s * (self.k4 + s * (self.k5 + s * self.k6))
+        J = np.zeros((*normalized.shape, 14))
+        J[..., :5] = polynomial.slopes(normalized)
+        J[..., (0, 1, 4)] /= under[..., None, None]
+        J[..., 5:8] = -factor[..., None, None] * J[..., (0, 1, 4)]
+        for place, axis, power in ((8, 0, s), (9, 0, s * s), (10, 1, s), (11, 1, s * s)):
+            J[..., axis, place] = power
+        flat = replace(self, tau_x=0.0, tau_y=0.0).distort(normalized)
+        if self.tau_x or self.tau_y:
+            J = np.asarray(_through_slope(_tilt(self.tau_x, self.tau_y), flat) @ J)
+        for place, turned in enumerate(_tilt_slopes(self.tau_x, self.tau_y), start=12):
+            J[..., place] = _through_turned(_tilt(self.tau_x, self.tau_y), turned, flat)
+        return J
+
     def shows(self, normalized: Array) -> Mask:
         """As `PlanarLens.shows`: within the fold, and where nothing else folds."""
         x, y = normalized[..., 0], normalized[..., 1]
@@ -177,6 +196,35 @@ def _through_slope(H: Array, image: Array) -> Array:
     return np.asarray((H[:2, :2] - moved[..., :, None] * H[2, :2]) / w[..., None, None])
 
 
+def _through_turned(H: Array, change: Array, image: Array) -> Array:
+    """Change (..., 2) of `_through` as H changes by `change` (3, 3)."""
+    moved, w = _through(H, image), image @ H[2, :2] + H[2, 2]
+    by = image @ change[:, :2].T + change[:, 2]
+    return np.asarray((by[..., :2] - moved * by[..., 2:]) / w[..., None])
+
+
+@lru_cache(maxsize=256)
+def _tilt_slopes(tau_x: float, tau_y: float) -> tuple[Array, Array]:
+    """Derivatives of `_tilt` by both angles: ``onto' R + onto R'``."""
+    cx, sx, cy, sy = math.cos(tau_x), math.sin(tau_x), math.cos(tau_y), math.sin(tau_y)
+    about_x = np.array([[1, 0, 0], [0, cx, sx], [0, -sx, cx]])
+    about_y = np.array([[cy, 0, -sy], [0, 1, 0], [sy, 0, cy]])
+    slope_x = np.array([[0, 0, 0], [0, -sx, cx], [0, -cx, -sx]])
+    slope_y = np.array([[-sy, 0, -cy], [0, 0, 0], [cy, 0, -sy]])
+    R = about_y @ about_x
+
+    def along(change: Array) -> Array:
+        by = np.array([[change[2, 2], 0, -change[0, 2]], [0, change[2, 2], -change[1, 2]], [0, 0, 0]])
+        return np.asarray(by @ R + _onto(R) @ change)
+
+    return along(about_y @ slope_x), along(slope_y @ about_x)
+
+
+def _onto(R: Array) -> Array:
+    """``[R33 0 -R13; 0 R33 -R23; 0 0 1]``."""
+    return np.array([[R[2, 2], 0, -R[0, 2]], [0, R[2, 2], -R[1, 2]], [0, 0, 1]])
+
+
 @lru_cache(maxsize=256)
 def _tilt(tau_x: float, tau_y: float) -> Array:
     """From the untilted to the tilted sensor, (3, 3): ``[R33 0 -R13; 0 R33 -R23; 0 0 1] R``."""
@@ -184,8 +232,7 @@ def _tilt(tau_x: float, tau_y: float) -> Array:
     about_x = np.array([[1, 0, 0], [0, cx, sx], [0, -sx, cx]])
     about_y = np.array([[cy, 0, -sy], [0, 1, 0], [sy, 0, cy]])
     R = about_y @ about_x
-    onto = np.array([[R[2, 2], 0, -R[0, 2]], [0, R[2, 2], -R[1, 2]], [0, 0, 1]])
-    return np.asarray(onto @ R)
+    return np.asarray(_onto(R) @ R)
 
 
 @lru_cache(maxsize=256)

@@ -10,9 +10,9 @@ import numpy as np
 
 from rigsim.api.kit.cameras import cameras_tried
 from rigsim.api.kit.requirements import DesignOptions, specified
+from rigsim.digits import short
 from rigsim.errors import InvalidRange, RigsimError
 from rigsim.rig.arrays import Array
-from rigsim.rig.digits import short
 from rigsim.studio.logic import command
 from rigsim.studio.logic.faults import plain
 from rigsim.studio.state import State

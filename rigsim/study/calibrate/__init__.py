@@ -1,0 +1,1 @@
+"""Calibrations: planned, proved, and made of people's own pictures."""

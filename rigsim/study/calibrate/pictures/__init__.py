@@ -1,0 +1,1 @@
+"""A calibration of people's own pictures, and what it is worth."""

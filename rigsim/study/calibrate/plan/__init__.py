@@ -1,0 +1,1 @@
+"""Which board, held where, how many times, and what that leaves."""
