@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rigsim.rig import digits as digits_of
+from rigsim import digits as digits_of
 from rigsim.rig.catalogue.sensors import sensor_preset
 from rigsim.study.tolerance.first_order.needed import GOOD
 from rigsim.theory.inverse import Camera, Relaxation, Requirement
