@@ -11,15 +11,16 @@ from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.calibrate.plan.asked import PlanAsked
 from rigsim.study.calibrate.plan.held import smallest_square_px
-from rigsim.study.calibrate.plan.reach import LEAST_SQUARE_PX, Reached
+from rigsim.study.calibrate.plan.reach import LEAST_SQUARE_PX, ReachedPoses
 from rigsim.theory.calibration.boards import BoardPoses
+from rigsim.theory.calibration.covariance import CalibrationCovariance
 
 _NO_TILT_RAD = math.radians(2)
 _MIDDLE = 0.5
 """Share of the half diagonal of a picture; within, a lens bends little."""
 
 
-def check_shared(reached: Reached) -> None:
+def check_shared(reached: ReachedPoses) -> None:
     """Refuse boards none of which both cameras see: where the cameras stand is open."""
     if not len(reached):
         raise CalibrationUndetermined(
@@ -35,7 +36,7 @@ def check_shared(reached: Reached) -> None:
         )
 
 
-def undetermined(asked: PlanAsked, reached: Reached, names: tuple[str, ...]) -> CalibrationUndetermined:
+def undetermined(asked: PlanAsked, reached: ReachedPoses, names: tuple[str, ...]) -> CalibrationUndetermined:
     """What to say of boards that leave `names` open."""
     n = len(reached)
     tilt = largest_tilt_rad(asked.rig, reached.poses)
@@ -83,13 +84,13 @@ def largest_tilt_rad(rig: StereoRig, poses: BoardPoses) -> float:
     return float(tilts_rad(rig, poses).max(initial=0.0))
 
 
-def typical_square_px(asked: PlanAsked, reached: Reached) -> float:
+def typical_square_px(asked: PlanAsked, reached: ReachedPoses) -> float:
     """Median of the boards' smallest squares, px."""
     sizes = smallest_square_px(reached.poses.project(asked.rig, asked.board), asked.board)
     return float(np.median(sizes[reached.seen]))
 
 
-def farthest_out(asked: PlanAsked, reached: Reached) -> float:
+def farthest_out(asked: PlanAsked, reached: ReachedPoses) -> float:
     """How far out a corner of a board is in either picture, as a share of the half diagonal."""
     uv = reached.poses.project(asked.rig, asked.board)
     out = 0.0
@@ -99,6 +100,18 @@ def farthest_out(asked: PlanAsked, reached: Reached) -> float:
         if seen.size:
             out = max(out, float(np.linalg.norm(seen - middle, axis=-1).max() / np.linalg.norm(middle)))
     return out
+
+
+def focal_openness(covariance: CalibrationCovariance) -> float:
+    """Largest standard deviation of a focal length, as a share of it."""
+    rig, names, std = covariance.rig, covariance.names, covariance.std
+    sizes = {
+        "left.fx": rig.left.fx,
+        "left.fy": rig.left.fy,
+        "right.fx": rig.right.fx,
+        "right.fy": rig.right.fy,
+    }
+    return max(float(std[names.index(name)]) / size for name, size in sizes.items())
 
 
 def _some(names: tuple[str, ...]) -> str:

@@ -13,7 +13,7 @@ from rigsim.study.calibrate.plan.asked import PlanAsked, Reach
 from rigsim.theory.calibration.boards import BoardPoses
 
 _ROLL_RAD = math.radians(15)
-_STILL_FLAT_RAD = math.radians(40)
+_STILL_FLAT_RAD = math.radians(55)
 """A board this far off the axis still stands parallel to the picture; farther out it faces the camera."""
 
 

@@ -18,7 +18,7 @@ from rigsim.errors import InvalidRange
 from rigsim.rig.arrays import Array
 from rigsim.study.calibrate.depths import PLACES, point_at
 from rigsim.study.calibrate.plan.asked import PlanAsked
-from rigsim.study.calibrate.plan.reach import Reached
+from rigsim.study.calibrate.plan.reach import ReachedPoses
 from rigsim.theory.calibration.boards import Chosen
 from rigsim.theory.calibration.covariance import CalibrationCovariance, about_camera
 from rigsim.theory.calibration.flatness import with_warps, without_warps
@@ -128,7 +128,7 @@ class DepthTerms:
         return np.asarray(found)
 
 
-def depth_terms(asked: PlanAsked, reached: Reached, z_m: float) -> DepthTerms:
+def depth_terms(asked: PlanAsked, reached: ReachedPoses, z_m: float) -> DepthTerms:
     """The terms of every pose that was reached, for depths on the left axis and farther out.
 
     Raises:
@@ -162,14 +162,14 @@ def depth_terms(asked: PlanAsked, reached: Reached, z_m: float) -> DepthTerms:
     return replace(terms, weights=np.array([1.0, *[_OUTER] * (len(moves) - 1)]) / usual)
 
 
-def plan_information(asked: PlanAsked, reached: Reached) -> tuple[BoardInformation, BoardInformation]:
+def plan_information(asked: PlanAsked, reached: ReachedPoses) -> tuple[BoardInformation, BoardInformation]:
     """What boards tell of the parameters, and of them and the warps (the same if those are parameters)."""
     wider = with_warps(asked.parameters) if asked.flatness_m else asked.parameters
     told = board_information(asked.rig, wider, asked.board, reached.poses, reached.seen)
     return (told if wider is asked.parameters else without_warps(told)), told
 
 
-def _boards(asked: PlanAsked, reached: Reached, basis: Array, frame: Array) -> Sums:
+def _boards(asked: PlanAsked, reached: ReachedPoses, basis: Array, frame: Array) -> Sums:
     told, warping = plan_information(asked, reached)
     n, noise, q = len(reached), asked.corner_noise_px, basis.shape[1]
     about = frame @ about_camera(reached.poses)  # (n, k, 6)
