@@ -133,5 +133,5 @@ def board_information(
         told.pose[part] = J_pose.transpose(0, 2, 1) @ J_pose
         if rooted:
             # the triangle's lower right: what is left of the rig's columns beside the pose's
-            roots.append(np.linalg.qr(np.concatenate([J_pose, J], axis=2), mode="r")[:, 6:, 6:])
+            roots.append(np.asarray(np.linalg.qr(np.concatenate([J_pose, J], axis=2), mode="r"))[:, 6:, 6:])
     return replace(told, root=np.concatenate(roots)) if roots else told
