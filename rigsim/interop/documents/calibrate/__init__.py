@@ -1,0 +1,1 @@
+"""What `rigsim calibrate ... --json` prints, and the files it writes."""
