@@ -1,4 +1,4 @@
-"""A scene made for a calibration: one board in front of a far wall, moved in place from picture to picture."""
+"""A scene made for a calibration: one board before a far wall, moved in place from picture to picture."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _THICK = 0.05
 _WALL = 6.0
 """Distance of the wall behind, in the distance of the farthest board."""
 _GEOM_FROM_BOARD = np.diag([1.0, -1.0, -1.0])
-"""The pattern is on the geom's +z face, whose rows go down along -y: a board's z points away from who sees it."""
+"""The pattern is on the geom's +z face, rows down along -y: a board's z points away from whoever sees it."""
 
 
 def held_board(board: Board, far_m: float) -> MadeScene:

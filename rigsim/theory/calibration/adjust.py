@@ -72,19 +72,6 @@ def adjust(
     return Adjusted(state.rig, state.poses, state.board, state.residuals, parameters, settled)
 
 
-def first_steps(
-    rig: StereoRig, parameters: RigParameters, board: Board, poses: BoardPoses, residuals: Array
-) -> tuple[Array, Array]:
-    """How the rig's parameters (k, p) and the poses (k, n, 6) follow residuals (k, n, 2, m, 2), px, to first
-    order: where many adjustments of the same boards best start. NaN where nothing was observed; the same
-    corners are in each."""
-    known = np.isfinite(residuals[0])
-    slopes_here = _Slopes.at(rig, parameters, board, poses, known)
-    r = np.where(known, residuals, 0.0)
-    steps = [slopes_here.step(parameters.basis(rig), _FIRST_DAMPING, one) for one in r]
-    return np.stack([step for step, _ in steps]), np.stack([pose_steps for _, pose_steps in steps])
-
-
 def _settled(state: _State) -> tuple[_State, bool]:
     """The state that steps end at, and whether they had become negligible."""
     parameters, basis = state.parameters, state.parameters.basis(state.rig)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -59,6 +59,10 @@ class CalibrationBench:
             true_board,
         )
 
+    def chosen(self, which: Mask) -> CalibrationBench:
+        """The same with some of its boards, `which` (n,)."""
+        return replace(self, poses=self.poses.chosen(which), seen=self.seen[which])
+
     @property
     def truth(self) -> StereoRig:
         """The rig that the pictures are of."""
@@ -72,7 +76,7 @@ class CalibrationBench:
     @property
     def in_model(self) -> bool:
         """Whether the calibration's model can say what is true."""
-        return self.true_rig is None and self.true_board is None
+        return self.true_rig is None and (self.true_board is None or self.parameters.warped)
 
     @property
     def points(self) -> Array:
@@ -94,16 +98,14 @@ class CalibrationBench:
         told = board_information(self.rig, self.parameters, self.board, self.poses, self.seen)
         return covariance_of(self.rig, self.parameters, self.poses, told, noise_px)
 
-    def errors(
-        self, found: StereoRig, poses: BoardPoses, board: Board | None = None
-    ) -> CalibrationErrors:
-        """How far off one calibration is, that took the boards to be at `poses`, and found them to be `board`."""
+    def errors(self, found: StereoRig, poses: BoardPoses, board: Board | None = None) -> CalibrationErrors:
+        """How far off one calibration is, that took boards to be at `poses`, and found them to be `board`."""
         motion = boards_motion(poses, self.poses)
         parameters = np.full(len(self.parameters.names) + 6, np.nan)
         if self.in_model:
             change = change_of(self.parameters, self.rig, found)
             if self.parameters.warped and board is not None:
-                change[self.parameters.warp] = np.subtract(board.warp_m, self.board.warp_m)
+                change[self.parameters.warp] = np.subtract(board.warp_m, self.held.warp_m)
             parameters = np.array([*change, *motion.rotvec_rad, *motion.t])
         return CalibrationErrors(depth_errors(found, motion, self.truth, self.points), parameters)
 
@@ -145,7 +147,9 @@ def change_of(parameters: RigParameters, rig: StereoRig, found: StereoRig) -> Ar
 
     The board's warps, which are no numbers of a rig, are 0.
     """
-    was, now = ([*_camera_numbers(parameters, one, 0), *_camera_numbers(parameters, one, 1)] for one in (rig, found))
+    was, now = (
+        [*_camera_numbers(parameters, one, 0), *_camera_numbers(parameters, one, 1)] for one in (rig, found)
+    )
     turn = rotvec_from_rotation(found.right_from_left.R @ rig.right_from_left.R.T)
     change = np.zeros(len(parameters.names))
     change[: len(now)] = np.subtract(now, was)
