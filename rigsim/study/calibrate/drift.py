@@ -27,8 +27,8 @@ metal barrel. Lenses of plastic change by several times as much."""
 REFOCUS_SHARE = 1e-3
 """By which a focus that is touched changes the focal length, of itself; an estimate."""
 CAUSES = ("bar_warmer", "lenses_warmer", "knock", "refocus")
-"""The bar that holds the cameras 1 K warmer; both lenses 1 K warmer; the right camera turned to the right; the
-right lens focused anew."""
+"""The bar that holds the cameras 1 K warmer; both lenses 1 K warmer; the right camera turned; the right
+lens focused anew."""
 _POINTS = 240
 
 
