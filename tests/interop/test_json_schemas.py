@@ -45,6 +45,7 @@ WITHOUT_UNIT = {
     *("rows", "row", "passed", "inefficient", "failed", "error", "not_applicable"),  # counts of verify
     *("same", "within_tolerance", "within_noise", "moved", "new", "gone", "efficiency"),
     *("false_alarm", "explained"),  # shares
+    *("coefficients", "rotation"),
     "seconds",
     "frames",
     "pixels",

@@ -1,1 +1,1 @@
-"""What `rigsim calibrate ... --json` prints, and the files it writes."""
+"""The documents of calibrations."""
