@@ -15,11 +15,11 @@ from rigsim.present.calibrate.plan_words import (
     inseparable_sentence,
     next_sentence,
     sentences,
-    std_rows,
 )
 from rigsim.present.calibrate.words import parameter_head
 from rigsim.present.kit.console import make_console, paragraph, print_table
 from rigsim.present.kit.format import number, plain
+from rigsim.study.calibrate.estimated import estimates
 from rigsim.study.calibrate.plan.result import CalibrationPlan
 
 DEPTH_HEADS = ("distance\nm", "where", "calib-\nration", "pixel\nnoise", "both")
@@ -35,7 +35,7 @@ def print_plan(plan: CalibrationPlan, command: str = "", folder: Path | None = N
     for sentence in sentences(plan):
         paragraph(console, sentence)
     console.print()
-    heads = (*DEPTH_HEADS, *([FRAME_HEAD] if has_frame(plan) else []))
+    heads = depth_heads(plan)
     print_table(
         "Depth std, mm: from calibration, from pixel noise, and from both",
         heads,
@@ -69,6 +69,11 @@ def _print_next(plan: CalibrationPlan, command: str, folder: Path | None) -> Non
         f"Next: print {page}, take the pictures, then `rigsim calibrate pictures LEFT... RIGHT... --board {board}`"
         " makes the calibration of them and says what it leaves.",
     )
+
+
+def depth_heads(plan: CalibrationPlan) -> tuple[str, ...]:
+    """Heads of the depth table; a newline starts a second line."""
+    return (*DEPTH_HEADS, *([FRAME_HEAD] if has_frame(plan) else []))
 
 
 def depth_rows(plan: CalibrationPlan) -> list[tuple[str, ...]]:
@@ -112,6 +117,6 @@ def _mark(plan: CalibrationPlan, pictures: int) -> str:
 def parameter_rows(plan: CalibrationPlan) -> Sequence[tuple[str, ...]]:
     """Rows of the table of parameters: name, value, std, unit."""
     return [
-        (parameter_head(name), plain(value, 6), number(std, 2), unit)
-        for name, value, std, unit in std_rows(plan)
+        (parameter_head(one.name), plain(one.value, 6), number(one.std, 2), one.unit)
+        for one in estimates(plan)
     ]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 from rigsim.present.calibrate.words import board_words, holding_words, parameter, pictures
 from rigsim.present.kit.format import length, plain
@@ -53,33 +52,42 @@ def sentences(plan: CalibrationPlan) -> list[str]:
 
 def hindrance_sentence(plan: CalibrationPlan) -> str:
     """What stands in the way of the goal, and the way out; empty where nothing does."""
-    code = plan.needed.hindrance
-    return f"In the way: {_hindrance(plan, code)}." if code else ""
+    asked, needed = plan.asked, plan.needed
+    if asked.goal is None or not needed.hindrance:
+        return ""
+    if needed.hindrance == "observation":
+        alone = chosen_depth(plan).observation_m
+        most = asked.noise_px * asked.goal.error_m / alone if alone > 0 else math.nan
+        return (
+            f"In the way: pixel noise of {plain(asked.noise_px)} px alone makes {length(alone)}. It takes matches"
+            f" good to {plain(most, 2)} px (`--noise`), a longer baseline, or a longer focal length."
+        )
+    said = f"In the way: {_hindrance(plan, needed.hindrance)}"
+    if not needed.remedies:
+        return f"{said}."
+    joint_m = needed.remedies[0].joint_m
+    if joint_m <= asked.goal.error_m:
+        return f"{said}: that gives up to {length(joint_m)}."
+    return f"{said}: that helps the most, but gives {length(joint_m)} at best."
 
 
 def _hindrance(plan: CalibrationPlan, code: str) -> str:
     asked = plan.asked
     reach, board = asked.reach, asked.board
-    if code == "observation" and asked.goal is not None:
-        alone = chosen_depth(plan).observation_m
-        most = asked.noise_px * asked.goal.error_m / alone if alone > 0 else math.nan
-        return (
-            f"pixel noise of {plain(asked.noise_px)} px alone makes {length(alone)}; it takes matches good to"
-            f" {plain(most, 2)} px (`--noise`), a longer baseline, or a longer focal length"
-        )
     larger = f"{board.cols}x{board.rows}@{plain(board.square_m * 2e3)}mm"
+    half = plain(asked.corner_noise_px / 2)
     said = {
-        "tilt": f"boards tilted {plain(math.degrees(reach.tilt_rad), 3)}° at most tell too little; tilt them"
-        " farther (`--tilt 45deg`)",
-        "board": f"the board is too small; a larger one does, as `--board {larger}`",
-        "range": f"the board is held too far away, {plain(reach.near_m)} to {plain(reach.far_m)} m; hold it"
-        " nearer (`--range`)",
-        "corner_noise": f"corners are found to {plain(asked.corner_noise_px)} px only; it takes sharper pictures,"
-        " or several of each pose (`--corner-noise`)",
-        "flatness": f"the board is flat to {length(asked.flatness_m)} only; take a flatter one (`--flatness`), or"
-        " let the calibration find its warp (`--warp`)",
+        "tilt": f"boards are tilted {plain(math.degrees(reach.tilt_rad), 3)}° at most; tilt them farther"
+        " (`--tilt 45deg`)",
+        "board": f"the board is too small; take a larger one (`--board {larger}`)",
+        "range": f"the board is never nearer than {plain(reach.near_m)} m; hold it nearer"
+        f" (`--range {plain(reach.near_m / 2)}:{plain(reach.far_m)}m`)",
+        "corner_noise": f"corners are found to {plain(asked.corner_noise_px)} px only; take sharper pictures, or"
+        f" several of each pose (`--corner-noise {half}`)",
+        "flatness": f"the board is flat to {length(asked.flatness_m)} only; take a flatter one, or let the"
+        " calibration find its warp (`--warp`)",
     }
-    return said.get(code, "no one change of board, tilt, range or corner noise is enough")
+    return said[code]
 
 
 def enough_sentence(plan: CalibrationPlan) -> str:
@@ -168,40 +176,8 @@ def order_sentence(plan: CalibrationPlan) -> str:
     return "In the order of the file."
 
 
-def std_rows(plan: CalibrationPlan) -> Sequence[tuple[str, float, float, str]]:
-    """What each parameter is off by: its name, its value, its std, their unit; those that are held left out."""
-    covariance = plan.covariance
-    parameters, rig = covariance.parameters, plan.asked.rig
-    values = _values(plan)
-    free = set(parameters.free_names(rig))
-    return [
-        (name, values[name] * scale, float(std) * scale, unit)
-        for name, std in zip(covariance.names, covariance.std, strict=True)
-        if name in free
-        for scale, unit in [_measure(name)]
-    ]
-
-
-def _values(plan: CalibrationPlan) -> dict[str, float]:
-    rig, parameters = plan.asked.rig, plan.covariance.parameters
-    found: dict[str, float] = {}
-    for side, camera in enumerate((rig.left, rig.right)):
-        lens = parameters.lens(rig, side)
-        at = parameters.columns(side)
-        for name in parameters.names[at]:
-            own = name.partition(".")[2]
-            found[name] = float(getattr(camera, own) if hasattr(camera, own) else getattr(lens, own))
-    pose = rig.right_from_left
-    for name, value in zip(parameters.names[parameters.pose], [*pose.rotvec_rad, *pose.t], strict=True):
-        found[name] = float(value)
-    for name, value in zip(parameters.names[parameters.warp], plan.asked.board.warp_m, strict=False):
-        found[name] = float(value)
-    return found
-
-
-def _measure(name: str) -> tuple[float, str]:
-    if name.endswith("_rad"):
-        return math.degrees(1.0), "deg"
-    if name.endswith("_m"):
-        return 1e3, "mm"
-    return 1.0, "px" if name.partition(".")[2] in ("fx", "fy", "cx", "cy") else ""
+def held_words(plan: CalibrationPlan) -> str:
+    """The parameters that are not estimated, by name; empty where all are."""
+    parameters = plan.covariance.parameters
+    free = set(parameters.free_names(plan.asked.rig))
+    return ", ".join(parameter(name).removeprefix("the ") for name in parameters.names if name not in free)

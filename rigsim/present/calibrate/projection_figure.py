@@ -2,27 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rigsim.present.kit.format import number, plain
-from rigsim.rig.arrays import Array
 from rigsim.study.calibrate.plan.result import CalibrationPlan
-from rigsim.theory.calibration.covariance import CalibrationCovariance
+from rigsim.study.calibrate.projection import FAR_M, ProjectionMap, projection_map
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.collections import QuadMesh
     from matplotlib.figure import Figure
 
-_FAR_M = 1e6
-"""As good as infinitely far."""
-_GRID = 41
 _LEFT_IN, _TOP_IN, _WIDTH_IN, _GAP_IN, _LINE_IN = 0.15, 0.95, 2.95, 0.2, 0.45
-
-ProjectionMap: TypeAlias = tuple[Array, Array, Array]
-"""Columns (n,) and rows (m,), px, and the std there (m, n), px; NaN where the lens shows nothing."""
 
 
 def projection_figure(plan: CalibrationPlan) -> Figure:
@@ -35,14 +28,14 @@ def projection_figure(plan: CalibrationPlan) -> Figure:
     page = _TOP_IN + 2 * height + _LINE_IN + 0.15
     with style.styled():
         figure = style.new_figure(style.PAGE_WIDTH_IN, page)
-        title = "Where the calibration leaves a point's place in the picture how uncertain"
+        title = "How uncertain the calibration leaves each place in the pictures"
         note = "Standard deviation in the worst direction, px, of points that stand still among the boards."
         for text, down, weight in ((title, 0.12, "bold"), (note, 0.34, "normal")):
             x, y = _LEFT_IN / style.PAGE_WIDTH_IN, 1 - down / page
             figure.text(x, y, text, weight=weight, fontsize=10.5 if weight == "bold" else 9, va="top")
-        for line, z_m in enumerate((plan.asked.chosen_for_m, _FAR_M)):
+        for line, z_m in enumerate((plan.asked.chosen_for_m, FAR_M)):
             maps = [projection_map(plan.covariance, side, z_m) for side in (0, 1)]
-            both = np.concatenate([values.ravel() for _, _, values in maps])
+            both = np.concatenate([found.std_px.ravel() for found in maps])
             ends = float(np.nanmin(both)), float(np.nanmax(both))
             bottom = page - _TOP_IN - height - line * (height + _LINE_IN)
             for side, found in enumerate(maps):
@@ -50,7 +43,7 @@ def projection_figure(plan: CalibrationPlan) -> Figure:
                     figure, _LEFT_IN + side * (_WIDTH_IN + _GAP_IN), bottom, _WIDTH_IN, height
                 )
                 mesh = _draw(axes, found, ends)
-                where = "infinitely far away" if z_m == _FAR_M else f"{plain(z_m)} m away"
+                where = "infinitely far away" if z_m == FAR_M else f"{plain(z_m)} m away"
                 axes.set_title(f"{('left', 'right')[side]} image, {where}", fontsize=9, pad=3)
             bar_axes = style.place(
                 figure, _LEFT_IN + 2 * _WIDTH_IN + _GAP_IN + 0.08, bottom, 0.1, height
@@ -64,25 +57,13 @@ def projection_figure(plan: CalibrationPlan) -> Figure:
     return figure
 
 
-def projection_map(covariance: CalibrationCovariance, side: int, z_m: float) -> ProjectionMap:
-    """The std over the left (0) or right (1) image of points at `z_m` from that camera."""
-    camera = (covariance.rig.left, covariance.rig.right)[side]
-    u, v = np.linspace(0, camera.width - 1, _GRID), np.linspace(0, camera.height - 1, _GRID)
-    rays = camera.ray(np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2))
-    values = np.full(len(rays), np.nan)
-    known = np.isfinite(rays).all(axis=1)
-    values[known] = covariance.projection_std(side, rays[known] * z_m)
-    return u, v, values.reshape(_GRID, _GRID)
-
-
 def _draw(axes: Axes, found: ProjectionMap, ends: tuple[float, float]) -> QuadMesh:
     from matplotlib.colors import LogNorm
 
     from rigsim.present.kit import style
 
-    u, v, values = found
     mesh = axes.pcolormesh(
-        *(u, v, np.ma.masked_invalid(values)),
+        *(found.u_px, found.v_px, np.ma.masked_invalid(found.std_px)),
         cmap=style.heat_map(),
         norm=LogNorm(ends[0], max(ends[1], ends[0] * 1.001)),
         rasterized=True,
