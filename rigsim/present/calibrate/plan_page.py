@@ -42,6 +42,9 @@ from rigsim.rig.remark import Remark
 from rigsim.study.calibrate.holding import Holding, holdings
 from rigsim.study.calibrate.plan.result import CalibrationPlan
 
+_PAGE_MM, _CARDS_MM, _TEXT_MM = 184.0, 214.0, 12.0
+"""Width of the page's text, what is left of its height for cards, and the height of a card's words, mm."""
+
 
 @dataclass(frozen=True, slots=True)
 class PoseCard:
@@ -71,6 +74,7 @@ def plan_html(plan: CalibrationPlan, command: str = "", remarks: Sequence[Remark
         headline=headline(plan),
         bench=bench_sentences(plan),
         cards=cards(plan),
+        columns=_columns(plan),
         sentences=[each for each in (*sentences(plan), next_sentence(plan)) if each],
         remarks=[remark.text for remark in remarks],
         curve=Markup(curve),
@@ -107,6 +111,16 @@ def cards(plan: CalibrationPlan) -> list[PoseCard]:
     """One card a pose, in their order."""
     held = holdings(plan.asked.rig, plan.asked.board, plan.poses, plan.seen)
     return [_card(plan, which, one) for which, one in enumerate(held)]
+
+
+def _columns(plan: CalibrationPlan) -> int:
+    """Cards beside each other on paper: as few as let all of them stand on one A4 page."""
+    camera = plan.asked.rig.left
+    for columns in (3, 4):
+        height_mm = (_PAGE_MM / columns / 2 - 3) * camera.height / camera.width + _TEXT_MM
+        if height_mm * -(-len(plan.poses) // columns) <= _CARDS_MM:
+            return columns
+    return 4
 
 
 def _card(plan: CalibrationPlan, which: int, held: Holding) -> PoseCard:
