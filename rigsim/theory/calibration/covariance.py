@@ -124,23 +124,34 @@ def covariance_of(
     poses: BoardPoses,
     information: BoardInformation,
     noise_px: float,
+    known: Array | None = None,
 ) -> CalibrationCovariance:
     """What n boards leave whose corners have noise of `noise_px`, px per coordinate.
+
+    `known` is the information (p, p), one over the units squared, that was there beforehand.
 
     Raises:
         Undetermined: the boards leave some of the parameters open.
     """
     told = information.reduced.sum(axis=0)
+    if known is not None:
+        told = told + noise_px**2 * known
     left = noise_px**2 * invert_information(told, parameters.basis(rig), parameters.free_names(rig))
-    # the boards' mean motion in the left camera's frame: (w, dt) about a first corner t is (w, dt + t x w)
-    about = np.zeros((len(poses), 6, 6))
-    about[:, :3, :3] = about[:, 3:, 3:] = np.eye(3)
-    about[:, 3:, :3] = -minus_skew(poses.t)
+    about = about_camera(poses)
     follows = (about @ information.gain).mean(axis=0)
     own = noise_px**2 * (about @ information.pose_covariance @ about.transpose(0, 2, 1)).sum(axis=0)
     across = follows @ left
     frame = across @ follows.T + own / len(poses) ** 2
     return CalibrationCovariance(rig, parameters, np.block([[left, across.T], [across, frame]]))
+
+
+def about_camera(poses: BoardPoses) -> Array:
+    """Boards' motions (w, dt) about their first corners as motions about the left camera, (n, 6, 6)."""
+    about = np.zeros((len(poses), 6, 6))
+    about[:, :3, :3] = about[:, 3:, 3:] = np.eye(3)
+    # a turn w about t is a turn about the camera and a shift by t x w
+    about[:, 3:, :3] = -minus_skew(poses.t)
+    return about
 
 
 class Undetermined(InvalidRange):
