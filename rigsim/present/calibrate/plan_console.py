@@ -83,11 +83,12 @@ def _print_next(plan: CalibrationPlan, command: str, folder: Path | None) -> Non
         paragraph(console, f"Next: print the sheet for the bench: {again} writes plan/plan.html.")
         return
     page = shlex.quote(str(folder / "plan.html"))
+    pictures = f"rigsim calibrate pictures LEFT... RIGHT... --board {board}"
     console.print(f"Files: {folder}", soft_wrap=True)
     paragraph(
         console,
-        f"Next: print {page}, take the pictures, then"
-        f" `rigsim calibrate pictures LEFT... RIGHT... --board {board}` makes the calibration of them and says what it leaves.",
+        f"Next: print {page} and take the pictures; `{pictures}` makes a calibration of them, and says what it"
+        " leaves.",
     )
 
 

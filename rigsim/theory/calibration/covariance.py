@@ -166,7 +166,7 @@ def rig_covariance(
     noise_px: float,
     known: Array | None = None,
 ) -> Array:
-    """Covariance (p, p) of a rig's parameters; 0 where one is held. `known` is as of `covariance_of`, diagonal.
+    """Covariance (p, p) of a rig's parameters; 0 where one is held. `known`: as `covariance_of`, diagonal.
 
     Raises:
         Undetermined: a combination of parameters is left open.

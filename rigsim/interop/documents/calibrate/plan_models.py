@@ -186,7 +186,9 @@ class PlanInseparable(Part):
     """Two parameters that the boards hardly tell apart."""
 
     first: str
+    """Name of the one."""
     second: str
+    """Name of the other."""
     correlation: float
     """Of their errors, -1 to 1."""
 
