@@ -166,7 +166,7 @@ def rig_covariance(
     noise_px: float,
     known: Array | None = None,
 ) -> Array:
-    """Covariance (p, p) of a rig's parameters; 0 where one is held. `known`: as `covariance_of`, diagonal.
+    """Covariance (p, p) of a rig's parameters; 0 where one is held. `known` is as of `covariance_of`.
 
     Raises:
         Undetermined: a combination of parameters is left open.
@@ -176,7 +176,7 @@ def rig_covariance(
         return np.zeros((len(parameters.names),) * 2)
     root = _root(information)
     if known is not None:
-        root = np.concatenate([root, noise_px * np.sqrt(np.diag(np.diagonal(known)))])
+        root = np.concatenate([root, noise_px * _square_root(known)])
     root = root @ basis
     scale = np.sqrt((root * root).sum(axis=0))
     names = parameters.free_names(rig)
@@ -196,7 +196,12 @@ def _root(information: BoardInformation) -> Array:
     if information.root is not None:
         stacked = information.root.reshape(-1, information.root.shape[2])
         return np.asarray(np.linalg.qr(stacked, mode="r"))
-    values, vectors = np.linalg.eigh(information.reduced.sum(axis=0))
+    return _square_root(information.reduced.sum(axis=0))
+
+
+def _square_root(matrix: Array) -> Array:
+    """``r`` (p, p) with ``matrix = r^T r``."""
+    values, vectors = np.linalg.eigh(matrix)
     return np.asarray(np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T)
 
 

@@ -1,4 +1,4 @@
-"""Which of many poses leave the least variance of one depth: one after another, then exchanged."""
+"""Which of many poses leave the least variance of the depths that count: one by one, then exchanged."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _ALIKE = 0.12
 """Two boards whose corners differ by less of their distance (rms) are the same to whom holds them."""
 _PASSES = 3
 _WORTH = 1e-3
-"""Share of the variance that an exchange must save."""
+"""Share of the loss that an exchange must save."""
 
 
 def choose(terms: DepthTerms, reached: Reached, close: Mask, count: int) -> Picks:
@@ -41,7 +41,8 @@ def choose(terms: DepthTerms, reached: Reached, close: Mask, count: int) -> Pick
 def extended(
     terms: DepthTerms, reached: Reached, picks: Picks, count: int, close: Mask | None = None
 ) -> Picks:
-    """`picks` and the best next ones, `count` in all; a pose may come again once the others are used up."""
+    """`picks` and the best next ones, `count` in all; none that is `close` (n, n) to another if that is said,
+    unless all are."""
     picks = list(picks)
     sums = terms.boards.chosen(picks).total()
     while len(picks) < count:
@@ -64,11 +65,11 @@ def ordered(terms: DepthTerms, reached: Reached, picks: Picks) -> Picks:
     sums = terms.boards.chosen(left).total()
     while len(left) > 1:
         without = sums.minus(terms.boards.chosen(left))
-        variance = terms.variance(without, regular=False)
+        loss = terms.loss(without)
         shared = reached.both[left]
         if shared.sum() <= LEAST_SHARED and not shared.all():
-            variance = np.where(shared, np.inf, variance)
-        place = int(np.argmin(variance))
+            loss = np.where(shared, np.inf, loss)
+        place = int(np.argmin(loss))
         sums = without.chosen(place)
         last.append(left.pop(place))
     return left + last[::-1]
@@ -86,18 +87,18 @@ def alike(reached: Reached, board: Board) -> Mask:
 
 
 def _best(terms: DepthTerms, sums: Sums, allowed: Mask) -> tuple[int, float]:
-    """The best of the allowed poses beside those of `sums`, and the variance with it, m^2."""
+    """The best of the allowed poses beside those of `sums`, and the loss with it."""
     places: npt.NDArray[np.intp] = np.flatnonzero(allowed)
-    variance: Array = terms.variance(sums.plus(terms.boards.chosen(places)), regular=False)
-    best = int(np.argmin(variance))
-    return int(places[best]), float(variance[best])
+    loss: Array = terms.loss(sums.plus(terms.boards.chosen(places)))
+    best = int(np.argmin(loss))
+    return int(places[best]), float(loss[best])
 
 
 def _exchanged(terms: DepthTerms, reached: Reached, picks: Picks, close: Mask) -> bool:
     """Exchange each pick for the best pose in its place; whether any was."""
     any_better = False
     sums = terms.boards.chosen(picks).total()
-    now = float(terms.variance(sums, regular=False))
+    now = float(terms.loss(sums))
     for place, pick in enumerate(list(picks)):
         others = picks[:place] + picks[place + 1 :]
         allowed = np.asarray(~close[others].any(axis=0))
@@ -106,8 +107,8 @@ def _exchanged(terms: DepthTerms, reached: Reached, picks: Picks, close: Mask) -
         if not allowed.any():
             continue
         without = sums.minus(terms.boards.chosen(pick))
-        best, variance = _best(terms, without, allowed)
-        if variance < now * (1 - _WORTH):
-            picks[place], now, any_better = best, variance, True
+        best, loss = _best(terms, without, allowed)
+        if loss < now * (1 - _WORTH):
+            picks[place], now, any_better = best, loss, True
             sums = without.plus(terms.boards.chosen(best))
     return any_better

@@ -39,15 +39,12 @@ class Places:
         return cls(reached, terms, given, alike(reached, asked.board))
 
     def extended(self, picks: Picks, count: int) -> Picks:
-        """`picks` and the best next ones."""
-        return picks if len(self.reached) == self.given else self._more(picks, count)
-
-    def _more(self, picks: Picks, count: int) -> Picks:
-        return extended(self.terms, self.reached, picks, count, self.close)
+        """`picks` and the best next ones; a board may be held where it was already."""
+        return picks if len(self.reached) == self.given else extended(self.terms, self.reached, picks, count)
 
     def stds(self, picks: Picks) -> Array:
         """Depth std (n,) m from the calibration with the first one, two, ... of `picks`."""
-        return np.asarray(np.sqrt(self.terms.variance(self.terms.boards.chosen(picks).running())))
+        return np.asarray(np.sqrt(self.terms.axis_variance(self.terms.boards.chosen(picks).running())))
 
     def sums(self, picks: Picks) -> Sums:
         """Of some poses."""
@@ -93,11 +90,11 @@ def next_pose(places: Places, picks: Picks) -> NextPose | None:
     if not allowed.size:
         allowed = np.arange(places.given, len(places.reached))
     sums, terms = places.sums(picks), places.terms
-    variance = terms.variance(sums.plus(terms.boards.chosen(allowed)))
-    best = int(np.argmin(variance))
+    with_it = sums.plus(terms.boards.chosen(allowed))
+    best = int(np.argmin(terms.loss(with_it)))
     found = places.reached.chosen(allowed[best : best + 1])
     left, right = found.seen[0]
-    gain = float(np.sqrt(variance[best] / terms.variance(sums)))
+    gain = float(np.sqrt(terms.axis_variance(with_it.chosen(best)) / terms.axis_variance(sums)))
     return NextPose(found.poses.rows[0], (bool(left), bool(right)), gain)
 
 

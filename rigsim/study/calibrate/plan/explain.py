@@ -10,7 +10,8 @@ from rigsim.errors import CalibrationUndetermined
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.calibrate.plan.asked import PlanAsked
-from rigsim.study.calibrate.plan.reach import Reached
+from rigsim.study.calibrate.plan.held import smallest_square_px
+from rigsim.study.calibrate.plan.reach import LEAST_SQUARE_PX, Reached
 from rigsim.theory.calibration.boards import BoardPoses
 
 _NO_TILT_RAD = math.radians(2)
@@ -50,6 +51,13 @@ def undetermined(asked: PlanAsked, reached: Reached, names: tuple[str, ...]) -> 
             " tilt some by 30 deg and more, about different axes",
             "no_tilt",
         )
+    square = typical_square_px(asked, reached)
+    if square < LEAST_SQUARE_PX:
+        return CalibrationUndetermined(
+            f"the boards are so far off that their squares are {square:.2g} px: {_some(names)} stay open;"
+            f" hold them nearer (poses are rad and m), with squares of {LEAST_SQUARE_PX:g} px and more",
+            "open",
+        )
     out = farthest_out(asked, reached)
     if out < _MIDDLE:
         return CalibrationUndetermined(
@@ -73,6 +81,12 @@ def tilts_rad(rig: StereoRig, poses: BoardPoses) -> Array:
 def largest_tilt_rad(rig: StereoRig, poses: BoardPoses) -> float:
     """Of all boards."""
     return float(tilts_rad(rig, poses).max(initial=0.0))
+
+
+def typical_square_px(asked: PlanAsked, reached: Reached) -> float:
+    """Median of the boards' smallest squares, px."""
+    sizes = smallest_square_px(reached.poses.project(asked.rig, asked.board), asked.board)
+    return float(np.median(sizes[reached.seen]))
 
 
 def farthest_out(asked: PlanAsked, reached: Reached) -> float:

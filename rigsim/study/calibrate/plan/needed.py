@@ -70,4 +70,4 @@ def _with_most_pictures(asked: PlanAsked) -> float:
     reached = random_poses(asked, _CANDIDATES, rng, _CANDIDATES // 4)
     terms = depth_terms(asked, reached, asked.chosen_for_m)
     picks = extended(terms, reached, [], _FEW)
-    return float(np.sqrt(terms.variance(terms.boards.chosen(picks).total().times(MOST_POSES / _FEW))))
+    return float(np.sqrt(terms.axis_variance(terms.boards.chosen(picks).total().times(MOST_POSES / _FEW))))

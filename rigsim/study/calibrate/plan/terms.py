@@ -1,6 +1,6 @@
-"""What each board does to the variance of one depth.
+"""What each board does to the variance of a depth on the axis, and of two farther out in the picture.
 
-The depth's error is ``c^T e + mean_i(g_i^T e + own_i)`` in the free parameters' errors e: c is how the
+A depth's error is ``c^T e + mean_i(g_i^T e + own_i)`` in the free parameters' errors e: c is how the
 triangulated point moves, g_i and own_i how the frame of the boards follows the parameters and board i's own
 noise (`CalibrationCovariance`). With A the sum of what the boards tell (A_i) its variance is
 ``(c + mean g)^T A^-1 (c + mean g) + sum s_i / n^2``, s_i that of own_i; a board's two warps that nobody
@@ -10,12 +10,13 @@ Everything is a sum over boards: what one more, or another one, does is a matter
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rigsim.errors import InvalidRange
 from rigsim.rig.arrays import Array
+from rigsim.study.calibrate.depths import PLACES, point_at
 from rigsim.study.calibrate.plan.asked import PlanAsked
 from rigsim.study.calibrate.plan.reach import Reached
 from rigsim.theory.calibration.boards import Chosen
@@ -27,6 +28,9 @@ from rigsim.theory.calibration.parameters import CAMERA
 _TURN_RAD, _FOCAL, _PRINCIPAL, _BASELINE = 0.3, 0.3, 0.2, 1.0
 """Prior of what is not known yet: shares of the focal length, the picture's width, the baseline."""
 _LEAST_EIGENVALUE = 1e-10
+_OUTER = 0.3
+"""What the depths at the edge and in the corner of the picture count beside the one on the axis: boards that
+were chosen for the axis alone leave the rest of the picture to chance."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,13 +40,13 @@ class Sums:
     A: Array
     """Information (..., q, q), each free parameter in its own measure."""
     g: Array
-    """(..., q)."""
+    """(..., k, q), of k depths."""
     s: Array
-    """(...,) m^2."""
+    """(..., k) m^2."""
     b: Array
     """(..., q, 2)."""
     h: Array
-    """(..., 2)."""
+    """(..., k, 2)."""
     n: Array
     """How many boards, (...,)."""
 
@@ -82,7 +86,10 @@ class DepthTerms:
     boards: Sums
     """Of each candidate."""
     c: Array
-    """How the triangulated depth moves, (q,) m in each free parameter's own measure."""
+    """How the triangulated depths move, (k, q) m in each free parameter's own measure; the first is on the
+    axis."""
+    weights: Array
+    """What a variance of each depth counts, (k,) 1/m^2."""
     known: Array
     """Diagonal (q,) of the information there was beforehand: of a warp that is looked for."""
     prior: Array
@@ -90,29 +97,39 @@ class DepthTerms:
     flatness_m: float
     """Standard deviation of the warps that nobody looks for; 0 if they are looked for."""
 
-    def variance(self, sums: Sums, *, regular: bool = True) -> Array:
-        """Variance (...,) m^2 with the boards of `sums`; infinite where they leave something open.
+    def axis_variance(self, sums: Sums) -> Array:
+        """Variance (...,) m^2 of the depth on the axis; infinite where the boards leave something open."""
+        return self.variances(sums)[..., 0]
 
-        Not `regular`: with the weak prior, so that it is finite always.
+    def loss(self, sums: Sums) -> Array:
+        """What is to be small (...,): the variances by their weights, with the prior."""
+        return np.asarray(self.variances(sums, regular=False) @ self.weights)
+
+    def variances(self, sums: Sums, *, regular: bool = True) -> Array:
+        """Variances (..., k) m^2 with the boards of `sums`; infinite where they leave something open.
+
+        Not `regular`: with the weak prior, so that they are finite always.
         """
         A, n = sums.A + np.diag(self.known), np.maximum(sums.n, 1)
         if regular:
             size = np.sqrt(np.maximum(np.einsum("...ii->...i", A), 1e-300))
             least = np.linalg.eigvalsh(A / size[..., None] / size[..., None, :])[..., 0]
-            A = np.where((least > _LEAST_EIGENVALUE)[..., None, None], A, np.eye(len(self.c)))
+            A = np.where((least > _LEAST_EIGENVALUE)[..., None, None], A, np.eye(self.c.shape[1]))
         else:
             A = A + np.diag(self.prior)
-        v = self.c + sums.g / n[..., None]
-        x = np.linalg.solve(A, v[..., None])[..., 0]
-        found = np.einsum("...q,...q->...", v, x) + sums.s / n**2
+        v = self.c + sums.g / n[..., None, None]
+        x = np.linalg.solve(A, np.swapaxes(v, -1, -2))
+        found = np.einsum("...kq,...qk->...k", v, x) + sums.s / n[..., None] ** 2
         if self.flatness_m:
-            astray = np.einsum("...q,...qw->...w", x, sums.b) + sums.h / n[..., None]
+            astray = np.swapaxes(x, -1, -2) @ sums.b + sums.h / n[..., None, None]
             found = found + self.flatness_m**2 * np.sum(astray**2, axis=-1)
-        return np.asarray(np.where(least > _LEAST_EIGENVALUE, found, np.inf) if regular else found)
+        if regular:
+            found = np.where((least > _LEAST_EIGENVALUE)[..., None], found, np.inf)
+        return np.asarray(found)
 
 
 def depth_terms(asked: PlanAsked, reached: Reached, z_m: float) -> DepthTerms:
-    """The terms of every pose that was reached, for the depth of a point on the left axis.
+    """The terms of every pose that was reached, for depths on the left axis and farther out.
 
     Raises:
         InvalidRange: no rig like this sees the point.
@@ -120,23 +137,29 @@ def depth_terms(asked: PlanAsked, reached: Reached, z_m: float) -> DepthTerms:
     rig, parameters = asked.rig, asked.parameters
     basis = parameters.basis(rig)
     empty = np.zeros((len(parameters.names) + 6,) * 2)
-    moves = CalibrationCovariance(rig, parameters, empty).point_moves([[0.0, 0.0, z_m]])[0, 2]
-    if not np.isfinite(moves).all():
+    nothing = CalibrationCovariance(rig, parameters, empty)
+    moves = nothing.point_moves([point_at(nothing, z_m, place) for place in PLACES])[:, 2]
+    moves = moves[np.isfinite(moves).all(axis=1) | (np.arange(len(moves)) == 0)]
+    if not np.isfinite(moves[0]).all():
         raise InvalidRange(
             f"depth {z_m * 1e3:g} mm: the cameras do not both see the left one's axis there; ask for another"
         )
     scale = _scale(asked, basis)
-    boards = _boards(asked, reached, basis * scale, moves[-6:])
+    boards = _boards(asked, reached, basis * scale, moves[:, -6:])
     known = np.zeros(len(parameters.names))
     if parameters.warped and asked.flatness_m:
         known[parameters.warp] = asked.flatness_m**-2
-    return DepthTerms(
+    terms = DepthTerms(
         boards=boards,
-        c=(basis * scale).T @ moves[:-6],
+        c=moves[:, :-6] @ (basis * scale),
+        weights=np.ones(len(moves)),
         known=((basis * scale) ** 2).T @ known,
         prior=np.ones(basis.shape[1]),
         flatness_m=0.0 if parameters.warped else asked.flatness_m,
     )
+    # each depth in the measure of what boards all over the place leave of it
+    usual = terms.variances(boards.total(), regular=False) * len(reached)
+    return replace(terms, weights=np.array([1.0, *[_OUTER] * (len(moves) - 1)]) / usual)
 
 
 def plan_information(asked: PlanAsked, reached: Reached) -> tuple[BoardInformation, BoardInformation]:
@@ -149,16 +172,16 @@ def plan_information(asked: PlanAsked, reached: Reached) -> tuple[BoardInformati
 def _boards(asked: PlanAsked, reached: Reached, basis: Array, frame: Array) -> Sums:
     told, warping = plan_information(asked, reached)
     n, noise, q = len(reached), asked.corner_noise_px, basis.shape[1]
-    about = frame @ about_camera(reached.poses)
+    about = frame @ about_camera(reached.poses)  # (n, k, 6)
     reduced = basis.T @ told.reduced @ basis
-    b, h = np.zeros((n, q, 2)), np.zeros((n, 2))
+    b, h = np.zeros((n, q, 2)), np.zeros((n, len(frame), 2))
     if asked.flatness_m and not asked.parameters.warped:
         b = basis.T @ warping.reduced[:, :-2, -2:] / noise**2
-        h = -np.einsum("ni,niw->nw", about, warping.gain[:, :, -2:])
+        h = -about @ warping.gain[:, :, -2:]
     return Sums(
         A=(reduced + reduced.transpose(0, 2, 1)) / (2 * noise**2),
-        g=np.einsum("ni,nip->np", about, told.gain) @ basis,
-        s=noise**2 * np.einsum("ni,nij,nj->n", about, told.pose_covariance, about),
+        g=about @ told.gain @ basis,
+        s=noise**2 * np.einsum("nki,nij,nkj->nk", about, told.pose_covariance, about),
         b=b,
         h=h,
         n=np.ones(n),
