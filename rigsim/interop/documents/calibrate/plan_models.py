@@ -208,6 +208,33 @@ class PlanProjection(Part):
     """Where it is most, px."""
 
 
+class PlanDriftDepth(Part):
+    """The depth error of one change at one distance."""
+
+    z_m: float
+    """Distance, m."""
+    axis_mm: float
+    """On the left optical axis, mm; positive is too far."""
+    image_mm: float | None
+    """Root mean square over the part of the image that both cameras see, mm; null where they share none."""
+
+
+class PlanDrift(Part):
+    """One change after the calibration, of a size that people meet; errors are in proportion to it."""
+
+    cause: Literal["bar_warmer", "lenses_warmer", "knock", "refocus"]
+    """The bar that holds the cameras is warmer; both lenses are; the right camera is turned; the right lens
+    is focused anew."""
+    amount: float
+    """How large it is."""
+    unit: str
+    """Of the amount: K, deg, or % of the focal length."""
+    source: str
+    """Where the size comes from: aluminium, estimate, or a class of the tolerance study."""
+    depths: list[PlanDriftDepth]
+    """One a distance."""
+
+
 class PlanDocument(Part):
     """A planned calibration: what its pictures leave of the depth, how many it takes, where to hold it."""
 
@@ -252,6 +279,8 @@ class PlanDocument(Part):
     """At the depth that poses are chosen for, and infinitely far."""
     witnesses: list[PlanWitness]
     """Simulated and measured calibrations beside the prediction; empty without --verify."""
+    drift: list[PlanDrift]
+    """What changes after the calibration, and is in none of these numbers."""
     covariance: CovarianceDocument
     """The joint covariance of all parameters: what `rigsim tolerance`, `design` and `sweep` read."""
     remarks: list[RemarkPart]
