@@ -50,7 +50,12 @@ class Adjusted:
 
 
 def adjust(
-    rig: StereoRig, parameters: RigParameters, board: Board, poses: BoardPoses, observed: Array
+    rig: StereoRig,
+    parameters: RigParameters,
+    board: Board,
+    poses: BoardPoses,
+    observed: Array,
+    weights: Array | None = None,
 ) -> Adjusted:
     """The rig, poses and, if they are `parameters`, the board's warps that minimise the squared residuals.
 
@@ -61,16 +66,18 @@ def adjust(
         poses: Where to start, n of them.
         observed: Pixels (n, 2, m, 2) of each board's corners in the left and the right image; NaN where a
             camera did not see one.
+        weights: What each corner's residuals (n, 2, m) are multiplied by, 1 over its noise as a multiple of
+            the others'; by default 1.
     """
     basis = parameters.basis(rig)
-    state = _State.at(rig, parameters, board, poses, observed)
+    state = _State.at(rig, parameters, board, poses, observed, weights)
     damping, settled = _FIRST_DAMPING, False
     for _ in range(_MOST_STEPS):
         step, pose_steps = state.step(basis, damping)
         try:
             moved = parameters.moved(state.rig, step)
             warped = parameters.warped_board(state.board, step)
-            trial = _State.at(moved, parameters, warped, state.poses.moved(pose_steps), observed)
+            trial = _State.at(moved, parameters, warped, state.poses.moved(pose_steps), observed, weights)
             better = trial.cost <= state.cost
         except InvalidRig:
             better = False
@@ -99,7 +106,13 @@ class _State:
 
     @classmethod
     def at(
-        cls, rig: StereoRig, parameters: RigParameters, board: Board, poses: BoardPoses, observed: Array
+        cls,
+        rig: StereoRig,
+        parameters: RigParameters,
+        board: Board,
+        poses: BoardPoses,
+        observed: Array,
+        weights: Array | None,
     ) -> _State:
         residuals = observed - poses.project(rig, board)
         J, J_pose = slopes(rig, parameters, board, poses)
@@ -108,6 +121,12 @@ class _State:
         known = np.isfinite(residuals)
         r = np.where(known, residuals, 0.0)
         J[~known], J_pose[~known] = 0.0, 0.0
+        if weights is not None:
+            r, J, J_pose = (
+                r * weights[..., None],
+                J * weights[..., None, None],
+                J_pose * weights[..., None, None],
+            )
         n, p = len(poses), len(parameters.names)
         flat, flat_pose, r_flat = J.reshape(n, -1, p), J_pose.reshape(n, -1, 6), r.reshape(n, -1, 1)
         transposed, transposed_pose = flat.transpose(0, 2, 1), flat_pose.transpose(0, 2, 1)
