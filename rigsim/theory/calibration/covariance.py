@@ -124,22 +124,31 @@ def covariance_of(
     poses: BoardPoses,
     information: BoardInformation,
     noise_px: float,
+    known: Array | None = None,
 ) -> CalibrationCovariance:
     """What n boards leave whose corners have noise of `noise_px`, px per coordinate.
+
+    `known` is the information (p, p), one over the units squared, that was there beforehand.
 
     Raises:
         Undetermined: the boards leave some of the parameters open.
     """
-    left = rig_covariance(rig, parameters, information, noise_px)
-    # the boards' mean motion in the left camera's frame: (w, dt) about a first corner t is (w, dt + t x w)
-    about = np.zeros((len(poses), 6, 6))
-    about[:, :3, :3] = about[:, 3:, 3:] = np.eye(3)
-    about[:, 3:, :3] = -minus_skew(poses.t)
+    left = rig_covariance(rig, parameters, information, noise_px, known)
+    about = about_camera(poses)
     follows = (about @ information.gain).mean(axis=0)
     own = noise_px**2 * (about @ information.pose_covariance @ about.transpose(0, 2, 1)).sum(axis=0)
     across = follows @ left
     frame = across @ follows.T + own / len(poses) ** 2
     return CalibrationCovariance(rig, parameters, np.block([[left, across.T], [across, frame]]))
+
+
+def about_camera(poses: BoardPoses) -> Array:
+    """Boards' motions (w, dt) about their first corners as motions about the left camera, (n, 6, 6)."""
+    about = np.zeros((len(poses), 6, 6))
+    about[:, :3, :3] = about[:, 3:, 3:] = np.eye(3)
+    # a turn w about t is a turn about the camera and a shift by t x w
+    about[:, 3:, :3] = -minus_skew(poses.t)
+    return about
 
 
 class Undetermined(InvalidRange):
@@ -151,9 +160,13 @@ class Undetermined(InvalidRange):
 
 
 def rig_covariance(
-    rig: StereoRig, parameters: RigParameters, information: BoardInformation, noise_px: float
+    rig: StereoRig,
+    parameters: RigParameters,
+    information: BoardInformation,
+    noise_px: float,
+    known: Array | None = None,
 ) -> Array:
-    """Covariance (p, p) of a rig's parameters; 0 where one is held.
+    """Covariance (p, p) of a rig's parameters; 0 where one is held. `known` is as of `covariance_of`.
 
     Raises:
         Undetermined: a combination of parameters is left open.
@@ -161,7 +174,10 @@ def rig_covariance(
     basis = parameters.basis(rig)
     if basis.shape[1] == 0:
         return np.zeros((len(parameters.names),) * 2)
-    root = _root(information) @ basis
+    root = _root(information)
+    if known is not None:
+        root = np.concatenate([root, noise_px * _square_root(known)])
+    root = root @ basis
     scale = np.sqrt((root * root).sum(axis=0))
     names = parameters.free_names(rig)
     if (scale == 0).any():
@@ -180,7 +196,12 @@ def _root(information: BoardInformation) -> Array:
     if information.root is not None:
         stacked = information.root.reshape(-1, information.root.shape[2])
         return np.asarray(np.linalg.qr(stacked, mode="r"))
-    values, vectors = np.linalg.eigh(information.reduced.sum(axis=0))
+    return _square_root(information.reduced.sum(axis=0))
+
+
+def _square_root(matrix: Array) -> Array:
+    """``r`` (p, p) with ``matrix = r^T r``."""
+    values, vectors = np.linalg.eigh(matrix)
     return np.asarray(np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T)
 
 

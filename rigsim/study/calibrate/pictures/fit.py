@@ -14,6 +14,7 @@ from rigsim.study.calibrate.pictures.sightings import Sightings
 from rigsim.theory.calibration.adjust import Adjusted, adjust
 from rigsim.theory.calibration.boards import BoardPoses
 from rigsim.theory.calibration.covariance import CalibrationCovariance, covariance_of
+from rigsim.theory.calibration.information import BoardInformation, board_information
 from rigsim.theory.calibration.parameters import RigParameters
 
 
@@ -29,6 +30,16 @@ class Fit:
     """The rig, the boards' poses and the residuals."""
     noise_px: float
     """Standard deviation of one coordinate of a corner of weight 1 that the residuals show, px."""
+
+    @property
+    def information(self) -> BoardInformation:
+        """What the boards tell, in the form that is found fast."""
+        found = self.adjusted
+        return board_information(
+            *(found.rig, self.parameters, found.board, found.poses, self.sightings.found),
+            rooted=False,
+            weights=self.sightings.weights,
+        )
 
     @property
     def covariance(self) -> CalibrationCovariance:

@@ -62,7 +62,7 @@ def predicted(fit: Fit, sightings: Sightings, pair: int, start: BoardPoses) -> H
     )
     N = int(np.count_nonzero(J_pose.any(axis=1)))
     try:
-        C = rig_covariance(fit.adjusted.rig, fit.parameters, fit.adjusted.information, 1.0)
+        C = rig_covariance(fit.adjusted.rig, fit.parameters, fit.information, 1.0)
     except Undetermined:
         return HeldOut(float("nan"), residuals, fit, pose)
     q, _ = np.linalg.qr(J_pose)
