@@ -25,6 +25,14 @@ class PictureCorners:
     """Corners (m, 2) px, row-major; NaN where none was found."""
     level: Array
     """How much coarser than the picture's own pixels each was found, (m,): its noise is 2^level times."""
+    std_px: Array
+    """Standard deviation of a coordinate that its finder claims, px, (m,); NaN where it claims none."""
+
+    @classmethod
+    def none(cls, picture: str, camera: str, count: int) -> PictureCorners:
+        """A picture without a corner, so far."""
+        nothing = np.full(count, np.nan)
+        return cls(picture, camera, np.full((count, 2), np.nan), np.zeros(count), nothing)
 
 
 def read_corners(path: Path, count: int) -> list[PictureCorners]:

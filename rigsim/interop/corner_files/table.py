@@ -1,7 +1,7 @@
 """Corners in a CSV table: ``picture,camera,corner,u_px,v_px``, a row a corner.
 
 ``camera`` is left or right. ``corner`` counts from 0, row-major. A ``level``
-is as in corners.vnl. Corners that are not there were not found. Other columns are left alone.
+is as in corners.vnl; ``std_px`` is the standard deviation that their finder claims. Corners that are not there were not found. Other columns are left alone.
 """
 
 from __future__ import annotations
@@ -47,11 +47,12 @@ def read_table(path: Path, lines: Sequence[str], count: int) -> list[PictureCorn
             )
         told = pictures.get((picture, camera))
         if told is None:
-            told = PictureCorners(picture, camera, np.full((count, 2), np.nan), np.zeros(count))
-            pictures[picture, camera] = told
+            told = pictures[picture, camera] = PictureCorners.none(picture, camera, count)
         if cells[at["u_px"]].strip() == "" or cells[at["v_px"]].strip() == "":
             continue
         told.uv[int(corner)] = [number(path, k, cells[at[axis]]) for axis in ("u_px", "v_px")]
+        if "std_px" in names and (std := cells[names.index("std_px")].strip()):
+            told.std_px[int(corner)] = number(path, k, std)
         if "level" in names:
             told.level[int(corner)] = max(number(path, k, cells[names.index("level")]), 0.0)
     return list(pictures.values())
@@ -61,9 +62,11 @@ def table_text(pictures: Sequence[PictureCorners]) -> str:
     """The table of pictures, which `read_table` reads."""
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
-    writer.writerow(HEAD)
+    writer.writerow((*HEAD, "std_px"))
     for each in pictures:
         for corner in np.flatnonzero(np.isfinite(each.uv).all(axis=1)):
             u, v = each.uv[corner]
-            writer.writerow([each.picture, each.camera, int(corner), f"{u:.6f}", f"{v:.6f}"])
+            claimed = each.std_px[corner]
+            std = f"{claimed:.5f}" if np.isfinite(claimed) else ""
+            writer.writerow([each.picture, each.camera, int(corner), f"{u:.6f}", f"{v:.6f}", std])
     return buffer.getvalue()

@@ -75,4 +75,4 @@ def _picture(path: Path, name: str, told: Sequence[tuple[float, float, float]], 
         )
     lost = np.isnan(corners[:, 2])
     uv = np.where(lost[:, None], np.nan, corners[:, :2])
-    return PictureCorners(name, "", uv, np.where(lost, 0.0, corners[:, 2]))
+    return PictureCorners(name, "", uv, np.where(lost, 0.0, corners[:, 2]), np.full(count, np.nan))

@@ -9,6 +9,7 @@ import numpy as np
 
 from rigsim.digits import short
 from rigsim.rig.remark import Remark
+from rigsim.study.calibrate.pictures.pairs import Paired
 
 if TYPE_CHECKING:
     from rigsim.study.calibrate.pictures.result import CalibratedPictures
@@ -25,6 +26,21 @@ _NAMED = 6
 def remarks_of(result: CalibratedPictures, turned: Sequence[str]) -> tuple[Remark, ...]:
     """One each; `turned` are pairs whose right corners were counted the other way round."""
     return tuple(_remarks(result, turned))
+
+
+def pairing_remarks(found: Paired) -> tuple[Remark, ...]:
+    """What is odd about how pictures were paired."""
+    remarks = []
+    if found.alone:
+        text = (
+            f"{len(found.alone)} picture(s) without one of the other camera, left out: {_listed(found.alone)}"
+        )
+        remarks.append(Remark("unpaired", text))
+    if found.by_order:
+        first = found.pairs[0]
+        text = f"nothing in the names pairs the pictures: paired by their order, as {first.left} with {first.right}"
+        remarks.append(Remark("paired_by_order", text))
+    return tuple(remarks)
 
 
 def _remarks(result: CalibratedPictures, turned: Sequence[str]) -> Iterator[Remark]:

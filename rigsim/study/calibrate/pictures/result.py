@@ -17,6 +17,7 @@ from rigsim.study.calibrate.pictures.asked import PicturesAsked
 from rigsim.study.calibrate.pictures.coverage import Coverage
 from rigsim.study.calibrate.pictures.fit import Fit
 from rigsim.study.calibrate.pictures.outliers import Reason
+from rigsim.study.calibrate.pictures.pairs import PicturePair
 from rigsim.study.calibrate.pictures.sightings import Sightings
 from rigsim.study.calibrate.plan.result import NextPose
 from rigsim.theory.calibration.covariance import CalibrationCovariance
@@ -26,6 +27,11 @@ PictureVerdict: TypeAlias = Literal[
 ]
 """What became of a pair: it counts; it counts for one camera, the other shows no board; the others do not
 predict it; no board in either; two such boards; a file that is no picture; the same as an earlier one."""
+
+
+_LEAST_TOLD = 3
+_MOST_RATIO = 1.25
+"""Of all pictures together: honest corners, some hundred a picture, stay within 1.05."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +78,8 @@ class CalibratedPictures:
     """What was asked."""
     sightings: Sightings
     """All corners, in one order."""
+    pairs: tuple[PicturePair, ...]
+    """The files of each pair, or what a corner file calls them."""
     kept: Mask
     """Which pairs the rig is made from, (n,)."""
     fit: Fit
@@ -105,3 +113,21 @@ class CalibratedPictures:
         """Root mean square of the kept pictures' ratios: 1 for honest corners."""
         ratios = np.array([each.ratio for each in self.pictures if each.verdict in ("good", "one_camera")])
         return rms(ratios[np.isfinite(ratios)])
+
+    @property
+    def verdict(self) -> Literal["agrees", "flagged", "untold"]:
+        """Whether the pictures predict one another: flagged where one is left out as an outlier, or where all
+        together are off by a quarter; untold of fewer than three."""
+        ratio = self.ratio
+        if not np.isfinite(ratio) or int(self.kept.sum()) < _LEAST_TOLD:
+            return "untold"
+        fits = 1 / _MOST_RATIO < ratio < _MOST_RATIO
+        return "agrees" if fits and all(each.verdict != "outlier" for each in self.pictures) else "flagged"
+
+    @property
+    def baseline_std_m(self) -> float:
+        """Standard deviation of the baseline, m."""
+        shift = self.covariance.parameters.pose
+        C = self.covariance.matrix[shift, shift][3:, 3:]
+        along = self.rig.right_from_left.t / self.rig.baseline_m
+        return float(np.sqrt(max(along @ C @ along, 0.0)))

@@ -55,6 +55,7 @@ def calibrate_pictures(asked: PicturesAsked, looked: Looked, told: Told | None =
     result = CalibratedPictures(
         asked=asked,
         sightings=_put_back(sightings, ordered.sightings, which),
+        pairs=looked.pairs,
         kept=_spread(found.kept, which, len(sightings)),
         fit=found.fit,
         opencv=found.opencv,
