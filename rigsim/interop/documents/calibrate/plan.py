@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
@@ -41,7 +42,7 @@ from rigsim.theory.calibration.boards import BoardPoses
 
 
 class PlanSays(Protocol):
-    """The sentences of the document, made by whoever calls: `rigsim.present.calibrate.plan_words` has them."""
+    """The sentences of the document, made by whoever calls: `present.calibrate.plan_words` has them."""
 
     def headline(self, plan: CalibrationPlan) -> str:
         """The answer in one sentence."""
@@ -59,21 +60,27 @@ class PlanSays(Protocol):
         """Why witnesses do not agree; empty where they do."""
 
 
-def plan_document(
-    plan: CalibrationPlan,
-    says: PlanSays,
-    *,
-    command: str = "",
-    witnesses: Sequence[CalibrationWitness] = (),
-    remarks: Sequence[Remark] = (),
-    written: Written | None = None,
-) -> dict[str, Any]:
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanTold:
+    """What a plan's document tells besides."""
+
+    command: str = ""
+    """What made it."""
+    witnesses: Sequence[CalibrationWitness] = ()
+    """Whole calibrations."""
+    remarks: Sequence[Remark] = ()
+    """What is odd about it."""
+    written: Written | None = None
+    """The files; None where none were written."""
+
+
+def plan_document(plan: CalibrationPlan, says: PlanSays, told: PlanTold) -> dict[str, Any]:
     """The plan with stable keys and units in their names; null where a number has no bound."""
     asked, needed = plan.asked, plan.needed
     board = asked.board
     square_mm = clean(board.square_m * 1e3)
     return PlanDocument(
-        command=command,
+        command=told.command,
         headline=_said(says.headline(plan)),
         sentences=[_said(sentence) for sentence in says.sentences(plan)],
         rig=seen_rig(asked.rig),
@@ -84,7 +91,10 @@ def plan_document(
         pictures=len(plan.poses),
         pictures_needed=needed.count,
         hindrance=needed.hindrance,
-        remedies=[PlanRemedy(change=one.code, joint_mm=one.joint_m * 1e3) for one in needed.remedies],
+        remedies=[
+            PlanRemedy.model_validate({"change": one.code, "joint_mm": one.joint_m * 1e3})
+            for one in needed.remedies
+        ],
         pictures_enough=enough(plan),
         curve=[
             PlanCurve(
@@ -109,10 +119,10 @@ def plan_document(
             for one in plan.inseparable
         ],
         projection=_projections(plan),
-        witnesses=[_witness(one, says) for one in witnesses],
+        witnesses=[_witness(one, says) for one in told.witnesses],
         covariance=covariance_part(plan.covariance, covariance_source(plan)),
-        remarks=[RemarkPart(code=remark.code, text=remark.text) for remark in remarks],
-        written=written,
+        remarks=[RemarkPart(code=remark.code, text=remark.text) for remark in told.remarks],
+        written=told.written,
     ).model_dump()
 
 

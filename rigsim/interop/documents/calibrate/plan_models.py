@@ -71,7 +71,7 @@ class PlanDepthPlace(PlanDepth):
     place: Literal["axis", "edge", "corner"]
     """The left optical axis; half way down the shared part of the picture at its outer end; its corner."""
     calibration_from_camera_mm: float
-    """From the calibration alone as the left camera counts it: where its lens's centre lies counts as well."""
+    """From the calibration alone as the left camera counts it: where its lens's centre lies counts too."""
 
 
 class PlanCurve(Part):
@@ -91,7 +91,7 @@ class PlanRemedy(Part):
     """One change of what was asked for, and the depth std with it and the most pictures."""
 
     change: Literal["tilt", "board", "range", "corner_noise", "flatness"]
-    """A tilt of 45 deg, a board twice as large, half the nearest distance, half the corner noise, a flat board."""
+    """A tilt of 45 deg, a board twice as large, half the nearest distance or corner noise, a flat board."""
     joint_mm: float
     """With the pixel noise of a match, mm."""
 
@@ -207,7 +207,7 @@ class PlanProjection(Part):
 
 
 class PlanDocument(Part):
-    """A planned calibration: what its pictures leave of the depth, how many there must be, where to hold it."""
+    """A planned calibration: what its pictures leave of the depth, how many it takes, where to hold it."""
 
     command: str
     """What made it."""
