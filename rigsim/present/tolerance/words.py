@@ -140,8 +140,8 @@ def calibration_sentence(result: ToleranceResult) -> str:
     in_camera, to_boards = (1e3 * value for value in result.calibration_axis_m)
     says = (
         f"{calibration.name}: on the left optical axis at {result.required.depth_m:g} m the calibration"
-        f" leaves a standard deviation of {short(in_camera)} mm as the left camera counts depth, which rigs are"
-        f" judged by here, and of {short(to_boards)} mm against its boards. A calibrated rig keeps its error,"
+        f" leaves a standard deviation of {short(in_camera)} mm as the left camera counts depth, which rigs"
+        f" are judged by here, and of {short(to_boards)} mm against its boards. A calibrated rig keeps its error,"
         " however often it measures."
     )
     if result.tolerances.temperature_k:
