@@ -141,8 +141,8 @@ def calibration_sentence(result: ToleranceResult) -> str:
     says = (
         f"{calibration.name}: on the left optical axis at {result.required.depth_m:g} m the calibration"
         f" leaves a standard deviation of {short(in_camera)} mm as the left camera counts depth, which rigs"
-        f" are judged by here, and of {short(to_boards)} mm against its boards. A calibrated rig keeps its error,"
-        " however often it measures."
+        f" are judged by here, and of {short(to_boards)} mm against its boards. A calibrated rig keeps its"
+        " error, however often it measures."
     )
     if result.tolerances.temperature_k:
         return says
