@@ -19,6 +19,7 @@ from .api.tolerance import tolerance as tolerance
 from .api.triangulate_points import triangulate_points as triangulate_points
 from .api.verify import verify as verify
 from .errors import RigsimError as RigsimError
+from .rig.board import Board as Board
 from .rig.intrinsics import Intrinsics as Intrinsics
 from .rig.lens.distortion import BrownConrady as BrownConrady
 from .rig.lens.double_sphere import DoubleSphere as DoubleSphere

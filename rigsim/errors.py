@@ -13,6 +13,7 @@
     ├── RenderMismatch        the renderer disagrees with rays or with the rig
     ├── TriangulatorError     a triangulator that is unknown, raises, or returns the wrong thing
     │   └── TriangulatorTimeout   one that does not come back
+    ├── CalibrationUndetermined   board pictures that leave a rig's numbers open
     ├── MeasurementFailed     nothing that was looked for was found in the pictures
     └── OutputError           a file or folder that cannot be read or written
 
@@ -115,6 +116,23 @@ class TriangulatorTimeout(TriangulatorError):
 
 class MeasurementFailed(RigsimError, RuntimeError):
     """Nothing that was looked for was found in the pictures, or what looks for it is not installed."""
+
+
+CalibrationReason: TypeAlias = Literal["no_poses", "one_pose", "one_camera", "no_tilt", "middle", "open"]
+"""Why boards leave a rig open: none is seen, there is a single one, none is seen by both cameras, none is
+turned away from the pictures' planes, all are in the middle of the pictures, or something else."""
+
+
+class CalibrationUndetermined(RigsimError, ValueError):
+    """Board pictures that leave some of a rig's numbers open."""
+
+    def __init__(self, message: str, reason: CalibrationReason = "open") -> None:
+        super().__init__(message)
+        self.reason: CalibrationReason = reason
+        """What is missing."""
+
+    def __reduce__(self) -> tuple[type[CalibrationUndetermined], tuple[str, CalibrationReason]]:
+        return type(self), (str(self), self.reason)
 
 
 class OutputError(RigsimError, OSError):

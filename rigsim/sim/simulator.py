@@ -139,6 +139,27 @@ class Simulator:
             views.append(View(faces.draw(renderer, side, drawn[side], supersample), depth, segmentation))
         return StereoFrame(*views)
 
+    def light(self, side: int, lens: Intrinsics, supersample: int = SUPERSAMPLE) -> Light:
+        """Linear light (H, W, 3), 0 to 1, on the placed rig's left (0) or right (1) camera, and nothing else.
+
+        Args:
+            side: which camera's place and turn.
+            lens: the camera to draw through: its own, or a part of its picture (`Intrinsics.cropped`).
+            supersample: samples along each side of a pixel, averaged.
+
+        Raises:
+            InvalidRig: the distortion folds the picture over.
+            RenderUnavailable: the picture is too large.
+        """
+        from rigsim.sim.render import buffer_size, check_size
+
+        self._placed()
+        pinholes = faces.pinholes_of(lens, supersample)
+        for pinhole, k in pinholes:
+            check_size(pinhole, k)
+        renderer = self._ready([buffer_size(pinhole, k) for pinhole, k in pinholes])
+        return faces.draw(renderer, side, lens, supersample)
+
     def preview(self, draft: bool = True) -> StereoFrame:
         """Both pictures of the placed rig as soon as they can be had, lens distortion included.
 

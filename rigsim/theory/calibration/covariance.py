@@ -16,8 +16,8 @@ from rigsim.theory.calibration.information import BoardInformation
 from rigsim.theory.calibration.parameters import POSE, RigParameters
 from rigsim.theory.uncertainty import pixel_gain
 
-_LEAST_EIGENVALUE = 1e-10
-"""Of the information with every parameter in its own measure: below, some pair cannot be told apart."""
+_LEAST_VALUE = 1e-12
+"""Singular value of the Jacobian, every parameter in its own measure, over the largest: below, rounding."""
 
 
 FRAME = tuple(f"frame.{name}" for name in POSE)
@@ -124,23 +124,31 @@ def covariance_of(
     poses: BoardPoses,
     information: BoardInformation,
     noise_px: float,
+    known: Array | None = None,
 ) -> CalibrationCovariance:
     """What n boards leave whose corners have noise of `noise_px`, px per coordinate.
+
+    `known` is the information (p, p), one over the units squared, that was there beforehand.
 
     Raises:
         Undetermined: the boards leave some of the parameters open.
     """
-    told = information.reduced.sum(axis=0)
-    left = noise_px**2 * invert_information(told, parameters.basis(rig), parameters.free_names(rig))
-    # the boards' mean motion in the left camera's frame: (w, dt) about a first corner t is (w, dt + t x w)
-    about = np.zeros((len(poses), 6, 6))
-    about[:, :3, :3] = about[:, 3:, 3:] = np.eye(3)
-    about[:, 3:, :3] = -minus_skew(poses.t)
+    left = rig_covariance(rig, parameters, information, noise_px, known)
+    about = about_camera(poses)
     follows = (about @ information.gain).mean(axis=0)
     own = noise_px**2 * (about @ information.pose_covariance @ about.transpose(0, 2, 1)).sum(axis=0)
     across = follows @ left
     frame = across @ follows.T + own / len(poses) ** 2
     return CalibrationCovariance(rig, parameters, np.block([[left, across.T], [across, frame]]))
+
+
+def about_camera(poses: BoardPoses) -> Array:
+    """Boards' motions (w, dt) about their first corners as motions about the left camera, (n, 6, 6)."""
+    about = np.zeros((len(poses), 6, 6))
+    about[:, :3, :3] = about[:, 3:, 3:] = np.eye(3)
+    # a turn w about t is a turn about the camera and a shift by t x w
+    about[:, 3:, :3] = -minus_skew(poses.t)
+    return about
 
 
 class Undetermined(InvalidRange):
@@ -151,25 +159,50 @@ class Undetermined(InvalidRange):
         self.names = names
 
 
-def invert_information(told: Array, basis: Array, names: tuple[str, ...]) -> Array:
-    """Covariance (p, p) of all parameters from the information (p, p), of which `basis` (p, q) are free.
+def rig_covariance(
+    rig: StereoRig,
+    parameters: RigParameters,
+    information: BoardInformation,
+    noise_px: float,
+    known: Array | None = None,
+) -> Array:
+    """Covariance (p, p) of a rig's parameters; 0 where one is held. `known` is as of `covariance_of`.
 
     Raises:
         Undetermined: a combination of parameters is left open.
     """
+    basis = parameters.basis(rig)
     if basis.shape[1] == 0:
-        return np.zeros_like(told)
-    free = basis.T @ told @ basis
-    scale = np.sqrt(np.maximum(np.diagonal(free), 0.0))
+        return np.zeros((len(parameters.names),) * 2)
+    root = _root(information)
+    if known is not None:
+        root = np.concatenate([root, noise_px * _square_root(known)])
+    root = root @ basis
+    scale = np.sqrt((root * root).sum(axis=0))
+    names = parameters.free_names(rig)
     if (scale == 0).any():
         raise Undetermined(tuple(name for name, size in zip(names, scale, strict=True) if size == 0))
-    values, vectors = np.linalg.eigh(free / scale[:, None] / scale)
-    if values[0] <= _LEAST_EIGENVALUE:
-        share = np.abs(vectors[:, 0])
+    _, values, rows = np.linalg.svd(root / scale, full_matrices=False)
+    if len(values) < len(names) or values[-1] <= _LEAST_VALUE * values[0]:
+        share = np.abs(rows[-1])
         order = np.argsort(share)[::-1]
         raise Undetermined(tuple(names[k] for k in order if share[k] > 0.3 * share.max()))
-    inverse = (vectors / values) @ vectors.T / scale[:, None] / scale
-    return np.asarray(basis @ inverse @ basis.T)
+    factor = basis @ (rows.T / values / scale[:, None])
+    return np.asarray(noise_px**2 * factor @ factor.T)
+
+
+def _root(information: BoardInformation) -> Array:
+    """``r`` (k, p) with ``sum of reduced = r^T r``."""
+    if information.root is not None:
+        stacked = information.root.reshape(-1, information.root.shape[2])
+        return np.asarray(np.linalg.qr(stacked, mode="r"))
+    return _square_root(information.reduced.sum(axis=0))
+
+
+def _square_root(matrix: Array) -> Array:
+    """``r`` (p, p) with ``matrix = r^T r``."""
+    values, vectors = np.linalg.eigh(matrix)
+    return np.asarray(np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T)
 
 
 def point_moves(rig: StereoRig, parameters: RigParameters, points_left: npt.ArrayLike) -> Array:

@@ -11,6 +11,17 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.theory.calibration.boards import BoardPoses
 from rigsim.theory.calibration.parameters import RigParameters
 
+LEAST_POSES = 2
+MOST_POSES = 200
+"""Pictures by each camera that a plan has."""
+
+
+def _within(value: float, name: str, unit: str, above: float | None = None) -> None:
+    low_enough = value > above if above is not None else value >= 0
+    if not (low_enough and value < math.inf):
+        bound = f"> {above:g}" if above is not None else ">= 0"
+        raise InvalidRange(f"{name} {value:g} {unit}: must be {bound} and finite")
+
 
 @dataclass(frozen=True, slots=True)
 class Reach:
@@ -26,9 +37,9 @@ class Reach:
     """What a corner keeps from the picture's rim, px: a finder needs its surroundings."""
 
     def __post_init__(self) -> None:
-        if not 0 < self.near_m < self.far_m < math.inf:
+        if not 0 < self.near_m <= self.far_m < math.inf:
             raise InvalidRange(
-                f"board range {self.near_m * 1e3:g}:{self.far_m * 1e3:g} mm: must be 0 < near < far"
+                f"board range {self.near_m * 1e3:g}:{self.far_m * 1e3:g} mm: must be 0 < near <= far"
             )
         if not 0 <= self.tilt_rad < math.pi / 2:
             raise InvalidRange(f"tilt {math.degrees(self.tilt_rad):g} deg: must be >= 0 and below 90")
@@ -44,6 +55,10 @@ class DepthGoal:
     """Largest standard deviation, m."""
     z_m: float
     """At this depth, on the left optical axis, m."""
+
+    def __post_init__(self) -> None:
+        _within(self.error_m * 1e3, "depth error", "mm", above=0)
+        _within(self.z_m * 1e3, "depth", "mm", above=0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,6 +88,19 @@ class PlanAsked:
     """Depths that are told, m."""
     seed: int = 0
     """Of the random numbers."""
+
+    def __post_init__(self) -> None:
+        if isinstance(self.poses, int) and not LEAST_POSES <= self.poses <= MOST_POSES:
+            raise InvalidRange(
+                f"{self.poses} poses: must be {LEAST_POSES} to {MOST_POSES}; one leaves a rig's numbers open"
+            )
+        _within(self.corner_noise_px, "corner noise", "px", above=0)
+        _within(self.noise_px, "noise", "px")
+        _within(self.flatness_m * 1e3, "flatness", "mm")
+        if not self.at_m:
+            raise InvalidRange("no depth to tell: must be one at least")
+        for z_m in self.at_m:
+            _within(z_m * 1e3, "depth", "mm", above=0)
 
     @property
     def chosen_for_m(self) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from rigsim.rig.arrays import Array, Mask
@@ -40,14 +41,31 @@ class NextPose:
 
 
 @dataclass(frozen=True, slots=True)
+class Remedy:
+    """Something that could be done about a goal that no number of pictures meets."""
+
+    code: str
+    """What is changed: ``tilt`` (to 45 deg), ``board`` (twice as large), ``range`` (from half the nearest
+    distance on), ``corner_noise`` (half of it), ``flatness`` (a flat board)."""
+    joint_m: float
+    """The depth std with it and the most pictures, noise of a match included, m."""
+
+
+@dataclass(frozen=True, slots=True)
 class PicturesNeeded:
     """How many pictures the goal takes."""
 
     count: int | None
     """The fewest; None where no number of them does, or none was asked for."""
     hindrance: str = ""
-    """Code of what stands in the way: ``observation`` (pixel noise alone is above), ``tilt``, ``board``,
-    ``range``, ``corner_noise``, ``flatness``; empty where nothing does."""
+    """Code of what stands in the way: ``observation`` (pixel noise alone is above), or that of the remedy
+    that helps the most; empty where nothing does."""
+    observation_m: float = math.nan
+    """Depth std at the goal's depth from the noise of a match alone, m."""
+    most_pictures_m: float = math.nan
+    """Joint depth std with `MOST_POSES` pictures where those do not meet the goal, m."""
+    remedies: tuple[Remedy, ...] = ()
+    """What was tried then, the most helpful first."""
 
 
 @dataclass(frozen=True, slots=True)

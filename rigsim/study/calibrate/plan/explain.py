@@ -1,0 +1,107 @@
+"""Why boards leave a rig open, in the words of whom holds them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from rigsim.errors import CalibrationUndetermined
+from rigsim.rig.arrays import Array
+from rigsim.rig.stereo import StereoRig
+from rigsim.study.calibrate.plan.asked import PlanAsked
+from rigsim.study.calibrate.plan.held import smallest_square_px
+from rigsim.study.calibrate.plan.reach import LEAST_SQUARE_PX, Reached
+from rigsim.theory.calibration.boards import BoardPoses
+
+_NO_TILT_RAD = math.radians(2)
+_MIDDLE = 0.5
+"""Share of the half diagonal of a picture; within, a lens bends little."""
+
+
+def check_shared(reached: Reached) -> None:
+    """Refuse boards none of which both cameras see: where the cameras stand is open."""
+    if not len(reached):
+        raise CalibrationUndetermined(
+            "no board is seen whole by either camera: nothing to calibrate from; see that the poses are"
+            " left_from_board, rad and m",
+            "no_poses",
+        )
+    if not reached.both.any():
+        raise CalibrationUndetermined(
+            "no board is seen whole by both cameras: where the one stands beside the other stays open; hold"
+            " some where both pictures show all corners",
+            "one_camera",
+        )
+
+
+def undetermined(asked: PlanAsked, reached: Reached, names: tuple[str, ...]) -> CalibrationUndetermined:
+    """What to say of boards that leave `names` open."""
+    n = len(reached)
+    tilt = largest_tilt_rad(asked.rig, reached.poses)
+    if n == 1:
+        return CalibrationUndetermined(
+            f"a single board leaves {_some(names)} open: hold it in several places, tilted differently",
+            "one_pose",
+        )
+    if tilt < _NO_TILT_RAD:
+        return CalibrationUndetermined(
+            f"no board is tilted: all {n} are parallel to the pictures (largest tilt"
+            f" {math.degrees(tilt):.2g} deg), where a longer focal length looks like boards farther off;"
+            " tilt some by 30 deg and more, about different axes",
+            "no_tilt",
+        )
+    square = typical_square_px(asked, reached)
+    if square < LEAST_SQUARE_PX:
+        return CalibrationUndetermined(
+            f"the boards are so far off that their squares are {square:.2g} px: {_some(names)} stay open;"
+            f" hold them nearer (poses are rad and m), with squares of {LEAST_SQUARE_PX:g} px and more",
+            "open",
+        )
+    out = farthest_out(asked, reached)
+    if out < _MIDDLE:
+        return CalibrationUndetermined(
+            f"all {n} boards are in the middle of the pictures (within {out:.0%} of the way to the corners):"
+            f" {_some(names)} stay open; hold some near the rims and corners, or fix lens coefficients",
+            "middle",
+        )
+    return CalibrationUndetermined(
+        f"these {n} boards leave {_some(names)} open: hold more, tilted and placed differently, or fix some"
+        " of these",
+        "open",
+    )
+
+
+def tilts_rad(rig: StereoRig, poses: BoardPoses) -> Array:
+    """Angle (n,) between each board and the plane of the picture that it is turned out of the most."""
+    axes = np.stack([np.array([0.0, 0.0, 1.0]), rig.right_from_left.R[2]])
+    return np.asarray(np.arccos(np.clip(np.abs(poses.R[:, :, 2] @ axes.T), 0, 1)).max(axis=1))
+
+
+def largest_tilt_rad(rig: StereoRig, poses: BoardPoses) -> float:
+    """Of all boards."""
+    return float(tilts_rad(rig, poses).max(initial=0.0))
+
+
+def typical_square_px(asked: PlanAsked, reached: Reached) -> float:
+    """Median of the boards' smallest squares, px."""
+    sizes = smallest_square_px(reached.poses.project(asked.rig, asked.board), asked.board)
+    return float(np.median(sizes[reached.seen]))
+
+
+def farthest_out(asked: PlanAsked, reached: Reached) -> float:
+    """How far out a corner of a board is in either picture, as a share of the half diagonal."""
+    uv = reached.poses.project(asked.rig, asked.board)
+    out = 0.0
+    for side, camera in enumerate((asked.rig.left, asked.rig.right)):
+        middle = np.array([(camera.width - 1) / 2, (camera.height - 1) / 2])
+        seen = uv[reached.seen[:, side], side]
+        if seen.size:
+            out = max(out, float(np.linalg.norm(seen - middle, axis=-1).max() / np.linalg.norm(middle)))
+    return out
+
+
+def _some(names: tuple[str, ...]) -> str:
+    """The first few of them."""
+    few = ", ".join(names[:4])
+    return f"{few} and others" if len(names) > 4 else few

@@ -1,0 +1,81 @@
+"""Boards as a person holds them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from rigsim.rig.arrays import Array
+from rigsim.rig.board import Board
+from rigsim.rig.intrinsics import Intrinsics
+from rigsim.study.calibrate.plan.asked import PlanAsked, Reach
+from rigsim.theory.calibration.boards import BoardPoses
+
+_ROLL_RAD = math.radians(15)
+_STILL_FLAT_RAD = math.radians(40)
+"""A board this far off the axis still stands parallel to the picture; farther out it faces the camera."""
+
+
+def drawn_poses(asked: PlanAsked, count: int, rng: np.random.Generator) -> BoardPoses:
+    """Random poses all over both pictures, at random distances, tilts and a little roll; seen or not."""
+    rig, board, reach = asked.rig, asked.board, asked.reach
+    middle = np.concatenate(
+        [
+            _places(rig.left, reach, count - count // 2, rng),
+            (_places(rig.right, reach, count // 2, rng) - rig.right_from_left.t) @ rig.right_from_left.R,
+        ]
+    )
+    middle = rng.permutation(middle[np.isfinite(middle).all(axis=1)])
+    return facing(board, middle, _turned(len(middle), reach.tilt_rad, rng))
+
+
+def facing(board: Board, middle: Array, turn: Array) -> BoardPoses:
+    """Boards around `middle` (n, 3) m that stand parallel to the left picture, or face the camera where that
+    is far out, and are turned by `turn` (n, 3, 3) out of that."""
+    rays = middle / np.linalg.norm(middle, axis=1)[:, None]
+    off = np.arccos(np.clip(rays[:, 2], -1, 1))
+    out = np.hypot(rays[:, 0], rays[:, 1])
+    toward = np.maximum(off - _STILL_FLAT_RAD, 0) / np.maximum(out, 1e-12)
+    base = rotations(np.column_stack([-rays[:, 1] * toward, rays[:, 0] * toward, 0 * toward]))
+    R = base @ turn
+    return BoardPoses(R, middle - R @ middle_of(board))
+
+
+def rotations(rotvecs: Array) -> Array:
+    """Rotations (n, 3, 3) of rotation vectors (n, 3), rad."""
+    angle = np.linalg.norm(rotvecs, axis=1)[:, None, None]
+    k = np.zeros((len(rotvecs), 3, 3))
+    x, y, z = rotvecs.T
+    k[:, 0, 1], k[:, 0, 2], k[:, 1, 2] = -z, y, -x
+    k -= k.transpose(0, 2, 1)
+    half = np.sinc(angle / (2 * np.pi))
+    return np.asarray(np.eye(3) + np.sinc(angle / np.pi) * k + 0.5 * half**2 * (k @ k))
+
+
+def middle_of(board: Board) -> Array:
+    """The middle of a board, flat, in its own frame (3,) m."""
+    return np.array([board.size_m[0] / 2, board.size_m[1] / 2, 0.0])
+
+
+def smallest_square_px(uv: Array, board: Board) -> Array:
+    """Shortest side (n, 2) px of a square as each camera shows it, of corners (n, 2, m, 2)."""
+    grid = uv.reshape(*uv.shape[:2], board.rows, board.cols, 2)
+    across = np.linalg.norm(np.diff(grid, axis=3), axis=-1).min(axis=(2, 3))
+    down = np.linalg.norm(np.diff(grid, axis=2), axis=-1).min(axis=(2, 3))
+    return np.asarray(np.minimum(across, down))
+
+
+def _places(camera: Intrinsics, reach: Reach, count: int, rng: np.random.Generator) -> Array:
+    """Points (count, 3) m of a camera's frame, even over its picture; NaN where it shows nothing."""
+    uv = rng.uniform((0, 0), (camera.width - 1, camera.height - 1), (count, 2))
+    return np.asarray(camera.ray(uv) * rng.uniform(reach.near_m, reach.far_m, count)[:, None])
+
+
+def _turned(count: int, tilt_rad: float, rng: np.random.Generator) -> Array:
+    """Tilts about any axis in the board's plane after a roll, (count, 3, 3)."""
+    roll = np.zeros((count, 3))
+    roll[:, 2] = rng.uniform(-_ROLL_RAD, _ROLL_RAD, count)
+    about, tilt = rng.uniform(0, 2 * np.pi, count), rng.uniform(0, tilt_rad, count)
+    tilts = np.column_stack([tilt * np.cos(about), tilt * np.sin(about), np.zeros(count)])
+    return np.asarray(rotations(tilts) @ rotations(roll))

@@ -1,0 +1,90 @@
+"""What is odd about a plan that stands all the same."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from rigsim.rig.arrays import Array
+from rigsim.rig.remark import Remark
+from rigsim.study.calibrate.plan.asked import PlanAsked
+from rigsim.study.calibrate.plan.choose import LEAST_SHARED
+from rigsim.study.calibrate.plan.explain import largest_tilt_rad
+from rigsim.study.calibrate.plan.reach import Reached
+
+_LITTLE_TILT_RAD = math.radians(15)
+_SMALL_PART = 0.5
+_CELLS = (12, 9)
+_FEW = 6
+_FEW_PLACES = 60
+
+
+def oddities(asked: PlanAsked, reached: Reached) -> tuple[Remark, ...]:
+    """Remarks on the boards that are held."""
+    remarks = []
+    tilt = largest_tilt_rad(asked.rig, reached.poses)
+    if tilt < _LITTLE_TILT_RAD:
+        remarks.append(
+            Remark(
+                "little_tilt",
+                f"no board is tilted by more than {math.degrees(tilt):.2g} deg: focal lengths and distances"
+                " are hardly told apart; tilt some by 30 deg and more, about different axes",
+            )
+        )
+    shares = covered(asked, reached)
+    for share, name in zip(shares, ("left", "right"), strict=True):
+        if share < _SMALL_PART:
+            remarks.append(
+                Remark(
+                    "small_part_of_picture",
+                    f"corners reach {share:.0%} of the {name} picture: what its lens does in the rest is"
+                    " extrapolated, by a model that may not hold there; hold boards near rims and corners",
+                )
+            )
+    if len(reached) < _FEW:
+        remarks.append(
+            Remark(
+                "few_pictures",
+                f"{len(reached)} pictures leave nothing to notice a bad one by: take {_FEW} and more",
+            )
+        )
+    shared = int(reached.both.sum())
+    if shared < LEAST_SHARED:
+        remarks.append(
+            Remark(
+                "few_shared",
+                f"{shared} boards are seen whole by both cameras: how these stand to each other hangs on them"
+                f" alone; hold {LEAST_SHARED} and more where both see them",
+            )
+        )
+    return tuple(remarks)
+
+
+def little_room(found: int) -> tuple[Remark, ...]:
+    """A remark where a board fits both pictures in few places only."""
+    if found >= _FEW_PLACES:
+        return ()
+    return (
+        Remark(
+            "little_room",
+            f"of thousands of places that were tried the board fits both views in {found}: hold it farther"
+            " off, or take a smaller one",
+        ),
+    )
+
+
+def covered(asked: PlanAsked, reached: Reached) -> tuple[float, float]:
+    """Share of each picture that corners reach: cells of a grid with one in it or beside one in it."""
+    uv = reached.poses.project(asked.rig, asked.board)
+    sizes = [(camera.width, camera.height) for camera in (asked.rig.left, asked.rig.right)]
+    left, right = (_share(uv[reached.seen[:, side], side].reshape(-1, 2), sizes[side]) for side in (0, 1))
+    return left, right
+
+
+def _share(uv: Array, size: tuple[int, int]) -> float:
+    cells = np.floor((uv + 0.5) / np.array(size) * np.array(_CELLS)).astype(int)
+    cells = np.clip(cells, 0, np.array(_CELLS) - 1)
+    hit = np.zeros(_CELLS, dtype=bool)
+    hit[cells[:, 0], cells[:, 1]] = True
+    return float(hit.mean())
