@@ -1,6 +1,7 @@
 """The names of `rigsim` and the modules they are loaded from: for type checkers and `lazy_loader`."""
 
 from ._version import __version__ as __version__
+from .api.calibrate.plan import plan_calibration as plan_calibration
 from .api.check_rig import check_rig as check_rig
 from .api.compare import compare as compare
 from .api.design import design as design
@@ -19,6 +20,7 @@ from .api.tolerance import tolerance as tolerance
 from .api.triangulate_points import triangulate_points as triangulate_points
 from .api.verify import verify as verify
 from .errors import RigsimError as RigsimError
+from .rig.board import Board as Board
 from .rig.intrinsics import Intrinsics as Intrinsics
 from .rig.lens.distortion import BrownConrady as BrownConrady
 from .rig.lens.double_sphere import DoubleSphere as DoubleSphere

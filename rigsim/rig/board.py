@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,11 +11,13 @@ import numpy as np
 from rigsim.errors import InvalidRange
 from rigsim.rig import given
 from rigsim.rig.arrays import Array
+from rigsim.rig.quantity import LENGTHS
 
 LEAST = 3
 """Fewest corners along a side that a board is found by."""
 MOST = 100
 """Most corners along a side."""
+_FORM = re.compile(r"\s*(\d{1,9})\s*[x×]\s*(\d{1,9})\s*@\s*([-+.\w]*?)\s*([a-zµμ]*)\s*", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +53,35 @@ class Board:
             raise InvalidRange(f"board's square {square * 1e3:g} mm: must be > 0")
         if not all(math.isfinite(rise) and abs(rise) < max(self.size_m) for rise in self.warp_m):
             raise InvalidRange(f"board's warp {self.warp_m} m: must be smaller than the board")
+
+    @classmethod
+    def of(cls, text: str) -> Board:
+        """A board as `text` has it, ``COLSxROWS@SQUARE``: inner corners, a square's side (mm unless said).
+
+        Raises:
+            InvalidRange: it is none.
+
+        Example:
+            >>> import rigsim
+            >>> rigsim.Board.of("9x6@3cm").text
+            '9x6@30mm'
+        """
+        found = _FORM.fullmatch(text)
+        if found is None:
+            raise InvalidRange(
+                f"board {given.shown(text)}: must be COLSxROWS@SQUARE, as 9x6@30mm: inner corners (one fewer"
+                " than squares) and a square's side"
+            )
+        cols, rows, square, unit = found.groups()
+        if unit and unit not in LENGTHS:
+            raise InvalidRange(f"board's square {square}{unit}: unknown unit {unit!r}; write um, mm, cm or m")
+        try:
+            side = float(square)
+        except ValueError:
+            raise InvalidRange(
+                f"board's square {given.shown(square) if square else 'empty'}: must be a length, as 30mm"
+            ) from None
+        return cls(int(cols), int(rows), side * float(LENGTHS[unit or "mm"]) / 1e3)
 
     @property
     def size_m(self) -> tuple[float, float]:

@@ -84,6 +84,34 @@ def find_sizes(
     return tuple(sorted(boards, key=lambda board: float(np.nanmean(board.uv[:, 0])))[:limit])
 
 
+def refit(image: AnyImage, board: BoardCorners, *, name: str = "image") -> Array:
+    """The corners (rows * cols, 2) px of a board that was found, fitted in another picture of the same view.
+
+    NaN where they were not fitted in the first, or are not in this one.
+
+    Raises:
+        InvalidImage: the picture cannot be used.
+    """
+    steps = _lattice_steps(board.uv.reshape(board.rows, board.cols, 2))
+    known = board.valid & np.isfinite(steps).all(axis=(1, 2))
+    uv = np.full_like(board.uv, np.nan)
+    fitted, _ = fit_corners(
+        grey(image, name), quantization_var(image), board.uv[known], HALF_WINDOW, steps[known]
+    )
+    uv[known] = fitted.uv
+    return uv
+
+
+def nearest_order(board: BoardCorners, near: Array) -> npt.NDArray[np.intp]:
+    """How a board's corners are to be taken, (rows * cols,), to lie nearest to some places (rows * cols, 2).
+
+    One of the ways to turn its grid onto itself.
+    """
+    places = np.arange(len(board.uv), dtype=np.float64).reshape(board.rows, board.cols)
+    orders = [turned.ravel().astype(np.intp) for turned in turns(places)]
+    return min(orders, key=lambda order: float(np.nanmean((board.uv[order] - near) ** 2)))
+
+
 def canonical(grid: Array) -> Array:
     """The same corners (rows, cols, 2), turned so that columns point right as far as they can."""
     along, down = lattice_directions(grid)

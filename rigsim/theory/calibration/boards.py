@@ -11,7 +11,7 @@ import numpy.typing as npt
 from rigsim.errors import InvalidRange
 from rigsim.rig.arrays import Array, Mask, frozen
 from rigsim.rig.board import Board
-from rigsim.rig.pose import Pose, rotation_from_rotvec
+from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 
 Chosen: TypeAlias = "npt.NDArray[np.intp] | Mask | slice"
@@ -47,8 +47,7 @@ class BoardPoses:
             )
         if not np.isfinite(numbers).all():
             raise InvalidRange("board poses: every number must be finite")
-        R = np.array([rotation_from_rotvec(row[:3]) for row in numbers]).reshape(-1, 3, 3)
-        return cls(R, numbers[:, 3:])
+        return cls(_rotations(numbers[:, :3]), numbers[:, 3:])
 
     def __len__(self) -> int:
         return len(self.t)
@@ -74,8 +73,7 @@ class BoardPoses:
 
     def moved(self, change: Array) -> BoardPoses:
         """Poses turned by ``exp([w]x) R`` and shifted, `change` (n, 6): w rad, shift m."""
-        turns = np.array([rotation_from_rotvec(row[:3]) for row in change]).reshape(-1, 3, 3)
-        return BoardPoses(turns @ self.R, self.t + change[:, 3:])
+        return BoardPoses(_rotations(change[:, :3]) @ self.R, self.t + change[:, 3:])
 
     def project(self, rig: StereoRig, board: Board) -> Array:
         """Pixels (n, 2, m, 2) of every board's m corners in the left and the right image; NaN where a
@@ -84,6 +82,16 @@ class BoardPoses:
         return np.stack(
             [rig.left.project(points), rig.right.project(rig.right_from_left.apply(points))], axis=1
         )
+
+
+def _rotations(rotvecs: Array) -> Array:
+    """Rodrigues' formula: rotations (n, 3, 3) of rotation vectors (n, 3), rad."""
+    angle = np.linalg.norm(rotvecs, axis=1)[:, None, None]
+    k = -minus_skew(rotvecs)
+    # np.sinc keeps both factors finite and exact at angle 0
+    return np.asarray(
+        np.eye(3) + np.sinc(angle / np.pi) * k + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * (k @ k)
+    )
 
 
 def whole(rig: StereoRig, uv: Array, margin_px: float = 0.0) -> Mask:

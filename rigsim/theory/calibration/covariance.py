@@ -16,8 +16,8 @@ from rigsim.theory.calibration.information import BoardInformation
 from rigsim.theory.calibration.parameters import POSE, RigParameters
 from rigsim.theory.uncertainty import pixel_gain
 
-_LEAST_EIGENVALUE = 1e-10
-"""Of the information with every parameter in its own measure: below, some pair cannot be told apart."""
+_LEAST_VALUE = 1e-12
+"""Singular value of the Jacobian, every parameter in its own measure, over the largest: below, rounding."""
 
 
 FRAME = tuple(f"frame.{name}" for name in POSE)
@@ -133,10 +133,7 @@ def covariance_of(
     Raises:
         Undetermined: the boards leave some of the parameters open.
     """
-    told = information.reduced.sum(axis=0)
-    if known is not None:
-        told = told + noise_px**2 * known
-    left = noise_px**2 * invert_information(told, parameters.basis(rig), parameters.free_names(rig))
+    left = rig_covariance(rig, parameters, information, noise_px, known)
     about = about_camera(poses)
     follows = (about @ information.gain).mean(axis=0)
     own = noise_px**2 * (about @ information.pose_covariance @ about.transpose(0, 2, 1)).sum(axis=0)
@@ -162,25 +159,50 @@ class Undetermined(InvalidRange):
         self.names = names
 
 
-def invert_information(told: Array, basis: Array, names: tuple[str, ...]) -> Array:
-    """Covariance (p, p) of all parameters from the information (p, p), of which `basis` (p, q) are free.
+def rig_covariance(
+    rig: StereoRig,
+    parameters: RigParameters,
+    information: BoardInformation,
+    noise_px: float,
+    known: Array | None = None,
+) -> Array:
+    """Covariance (p, p) of a rig's parameters; 0 where one is held. `known` is as of `covariance_of`.
 
     Raises:
         Undetermined: a combination of parameters is left open.
     """
+    basis = parameters.basis(rig)
     if basis.shape[1] == 0:
-        return np.zeros_like(told)
-    free = basis.T @ told @ basis
-    scale = np.sqrt(np.maximum(np.diagonal(free), 0.0))
+        return np.zeros((len(parameters.names),) * 2)
+    root = _root(information)
+    if known is not None:
+        root = np.concatenate([root, noise_px * _square_root(known)])
+    root = root @ basis
+    scale = np.sqrt((root * root).sum(axis=0))
+    names = parameters.free_names(rig)
     if (scale == 0).any():
         raise Undetermined(tuple(name for name, size in zip(names, scale, strict=True) if size == 0))
-    values, vectors = np.linalg.eigh(free / scale[:, None] / scale)
-    if values[0] <= _LEAST_EIGENVALUE:
-        share = np.abs(vectors[:, 0])
+    _, values, rows = np.linalg.svd(root / scale, full_matrices=False)
+    if len(values) < len(names) or values[-1] <= _LEAST_VALUE * values[0]:
+        share = np.abs(rows[-1])
         order = np.argsort(share)[::-1]
         raise Undetermined(tuple(names[k] for k in order if share[k] > 0.3 * share.max()))
-    inverse = (vectors / values) @ vectors.T / scale[:, None] / scale
-    return np.asarray(basis @ inverse @ basis.T)
+    factor = basis @ (rows.T / values / scale[:, None])
+    return np.asarray(noise_px**2 * factor @ factor.T)
+
+
+def _root(information: BoardInformation) -> Array:
+    """``r`` (k, p) with ``sum of reduced = r^T r``."""
+    if information.root is not None:
+        stacked = information.root.reshape(-1, information.root.shape[2])
+        return np.asarray(np.linalg.qr(stacked, mode="r"))
+    return _square_root(information.reduced.sum(axis=0))
+
+
+def _square_root(matrix: Array) -> Array:
+    """``r`` (p, p) with ``matrix = r^T r``."""
+    values, vectors = np.linalg.eigh(matrix)
+    return np.asarray(np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T)
 
 
 def point_moves(rig: StereoRig, parameters: RigParameters, points_left: npt.ArrayLike) -> Array:
@@ -189,11 +211,16 @@ def point_moves(rig: StereoRig, parameters: RigParameters, points_left: npt.Arra
     To first order: the pixels stay, so the point moves by ``-(J^T J)^-1 J^T`` of what its pixels would.
     """
     points = given.points(points_left)
-    gain = pixel_gain(rig, points)
+    return np.asarray(-pixel_gain(rig, points) @ pixel_slopes(rig, parameters, points))
+
+
+def pixel_slopes(rig: StereoRig, parameters: RigParameters, points: Array) -> Array:
+    """Move (N, 4, p) px of (u_left, v_left, u_right, v_right) of points (N, 3) m per unit of each
+    parameter."""
     pixels = np.zeros((len(points), 4, len(parameters.names)))
     turned = points @ rig.right_from_left.R.T
     points_right = turned + rig.right_from_left.t
     pixels[:, :2, parameters.columns(0)] = parameters.camera_slopes(rig, 0, points)
     pixels[:, 2:, parameters.columns(1)] = parameters.camera_slopes(rig, 1, points_right)
     pixels[:, 2:, parameters.pose] = rig.right.jacobian(points_right) @ rigid_moves(turned)
-    return np.asarray(-gain @ pixels)
+    return pixels

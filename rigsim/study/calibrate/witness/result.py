@@ -41,8 +41,23 @@ class CalibrationWitness:
     corner_noise_px: float
     """Standard deviation of one coordinate of a corner: drawn, or found against the truth, px."""
     rms_px: float
-    """Median root mean square residual of the calibrations, as their user sees it, px."""
+    """Median over the calibrations of the root mean square residual of one coordinate, px: OpenCV's number
+    for its user, which is of a corner's distance, is sqrt(2) times it."""
+    misfit: float
+    """Residuals over what noise alone would leave of them: 1 where the calibration's model can say what is
+    true; more says that it cannot."""
     depths: tuple[WitnessedDepth, ...]
     """One a distance."""
+    parameter_ratio: float
+    """Spread of all parameters together, found over predicted, whitened by the covariance: of the same thing
+    as the depths' ratios, and surer; NaN where the model cannot say what is true."""
+    parameter_interval: tuple[float, float]
+    """95 % of it; NaN likewise."""
     agreement: Agreement
     """What it comes to."""
+    boards: int = 0
+    """Places of the board that each calibration was made from."""
+    unfound: int = 0
+    """Pictures, of those of one calibration, in which the detector found no board."""
+    by_opencv: bool = False
+    """Whether OpenCV calibrated; else rigsim's own least squares did."""

@@ -1,0 +1,1 @@
+"""Calibrations that are planned, or made of pictures, and what they leave."""

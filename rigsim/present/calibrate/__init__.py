@@ -1,0 +1,1 @@
+"""A planned calibration, and one of pictures, for people."""
