@@ -20,11 +20,11 @@ from rigsim.study.calibrate.depths import depth_stds
 from rigsim.study.calibrate.plan.asked import DepthGoal, PlanAsked, Reach
 from rigsim.study.calibrate.plan.choose import LEAST_SHARED, alike, choose, extended, ordered
 from rigsim.study.calibrate.plan.explain import tilts_rad
-from rigsim.study.calibrate.plan.held import facing, middle_of, rotations, smallest_square_px
+from rigsim.study.calibrate.plan.held import facing, middle_of, smallest_square_px
 from rigsim.study.calibrate.plan.reach import LEAST_SQUARE_PX, ReachedPoses, random_poses
 from rigsim.study.calibrate.plan.run import plan_covariance
 from rigsim.study.calibrate.plan.terms import DepthTerms, depth_terms
-from rigsim.theory.calibration.boards import BoardPoses, whole
+from rigsim.theory.calibration.boards import BoardPoses, rotations, whole
 from rigsim.theory.calibration.parameters import RigParameters
 from tests.helpers.board_rigs import ESTIMATED, RIG
 
