@@ -93,10 +93,12 @@ def next_pose(places: PosePool, picks: Picks) -> NextPose | None:
         allowed = np.arange(places.given, len(places.reached))
     sums, terms = places.sums(picks), places.terms
     with_it = sums.plus(terms.boards.chosen(allowed))
-    best = int(np.argmin(terms.loss(with_it)))
+    axis, now = terms.axis_variance(with_it), terms.axis_variance(sums)
+    # not one that helps elsewhere at the axis's cost, if there is any other
+    best = int(np.argmin(np.where(axis < now, terms.loss(with_it), np.inf) if (axis < now).any() else axis))
     found = places.reached.chosen(allowed[best : best + 1])
     left, right = found.seen[0]
-    gain = float(np.sqrt(terms.axis_variance(with_it.chosen(best)) / terms.axis_variance(sums)))
+    gain = float(np.sqrt(axis[best] / now))
     return NextPose(found.poses.rows[0], (bool(left), bool(right)), gain)
 
 

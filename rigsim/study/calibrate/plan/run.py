@@ -67,7 +67,7 @@ def plan_covariance(asked: PlanAsked, held: ReachedPoses) -> CalibrationCovarian
     """
     check_shared(held)
     parameters, noise_px = asked.parameters, asked.corner_noise_px
-    told, warping = plan_information(asked, held)
+    told, warping = plan_information(asked, held, rooted=True)
     known = np.zeros(len(parameters.names))
     if parameters.warped and asked.flatness_m:
         known[parameters.warp] = asked.flatness_m**-2

@@ -162,15 +162,17 @@ def depth_terms(asked: PlanAsked, reached: ReachedPoses, z_m: float) -> DepthTer
     return replace(terms, weights=np.array([1.0, *[_OUTER] * (len(moves) - 1)]) / usual)
 
 
-def plan_information(asked: PlanAsked, reached: ReachedPoses) -> tuple[BoardInformation, BoardInformation]:
+def plan_information(
+    asked: PlanAsked, reached: ReachedPoses, *, rooted: bool
+) -> tuple[BoardInformation, BoardInformation]:
     """What boards tell of the parameters, and of them and the warps (the same if those are parameters)."""
     wider = with_warps(asked.parameters) if asked.flatness_m else asked.parameters
-    told = board_information(asked.rig, wider, asked.board, reached.poses, reached.seen)
+    told = board_information(asked.rig, wider, asked.board, reached.poses, reached.seen, rooted=rooted)
     return (told if wider is asked.parameters else without_warps(told)), told
 
 
 def _boards(asked: PlanAsked, reached: ReachedPoses, basis: Array, frame: Array) -> Sums:
-    told, warping = plan_information(asked, reached)
+    told, warping = plan_information(asked, reached, rooted=False)
     n, noise, q = len(reached), asked.corner_noise_px, basis.shape[1]
     about = frame @ about_camera(reached.poses)  # (n, k, 6)
     reduced = basis.T @ told.reduced @ basis
