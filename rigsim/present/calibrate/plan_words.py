@@ -19,6 +19,8 @@ _SHOWN = (2, 3, 5, 8, 12, 20, 30, 50, 80, 120, 200)
 _NOTED = 1.1
 _WORSE = 1.2
 _MOST_PAIRS = 4
+_NOTICED = 8
+"""Pictures among which a bad one stands out."""
 
 
 def headline(plan: CalibrationPlan) -> str:
@@ -109,7 +111,12 @@ def enough_sentence(plan: CalibrationPlan) -> str:
     least = plan.curve[0].pictures
     when = f"From {pictures(count)} on" if count > least else f"Already with {pictures(count)}"
     share = plain(100 * (NOTICED - 1), 2)
-    return f"{when} calibration adds less than {share} % to what pixel noise makes on the axis."
+    said = f"{when} calibration adds less than {share} % to what pixel noise makes on the axis"
+    return (
+        f"{said}; take {_NOTICED} all the same, so that a bad picture shows."
+        if count < _NOTICED
+        else f"{said}."
+    )
 
 
 def gain_sentence(plan: CalibrationPlan) -> str:
