@@ -1,0 +1,145 @@
+"""Pictures that the others do not predict, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from rigsim.pixels.calibration.camera import board_pose
+from rigsim.pixels.calibration.stereo import FoundRig
+from rigsim.rig.arrays import Array, Mask
+from rigsim.study.calibrate.pictures.fit import Fit, adjusted_from, distance_rms, fit_rig
+from rigsim.study.calibrate.pictures.held_out import HeldOut, alone_rms, held_out, predicted
+from rigsim.study.calibrate.pictures.order import Ordered
+from rigsim.study.calibrate.pictures.sightings import Sightings
+from rigsim.theory.calibration.boards import BoardPoses
+from rigsim.theory.calibration.information import slopes
+from rigsim.theory.calibration.parameters import RigParameters
+
+LIMIT = 2.0
+"""A picture whose residual is so many times what the others predict is none of theirs."""
+_MOST_LEFT_OUT = 1 / 3
+"""Of the pairs: where more do not fit, it is the rig or the board that is wrong."""
+_LEAST_KEPT = 3
+_MOVED = 2.0
+_FEW_CORNERS = 0.1
+_THEIR_SHARE = 0.7
+_BLURRED = 2.0
+_BENT_LEFT = 0.4
+
+Reason: TypeAlias = Literal["", "moved", "mixed_up", "hidden", "blurred", "bent", "unexplained"]
+"""Why a picture is an outlier: each camera alone explains it, but not both (the board moved between the two
+shots, or the pictures are of different moments); they put the right camera elsewhere altogether; a few
+corners are wrong; its corners are far less sharp than the others'; the board was bent; or none of these."""
+
+Told: TypeAlias = Callable[[str, int, int], None]
+"""Told what things are done, how many, of how many."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sorted:
+    """Pairs that explain one another, and those that do not."""
+
+    fit: Fit
+    """The rig of those that do."""
+    opencv: FoundRig
+    """OpenCV's rig of the same."""
+    kept: Mask
+    """Which pairs they are, (n,)."""
+    held_out: tuple[HeldOut | None, ...]
+    """Each pair as the others predict it; None where nothing was found in it."""
+    reasons: tuple[Reason, ...]
+    """Why each was left out; empty where it was not."""
+
+
+def sort_out(
+    ordered: Ordered, parameters: RigParameters, fix: Sequence[str], told: Told | None = None
+) -> Sorted:
+    """Calibrate, and leave out, worst first, what the others do not predict.
+
+    Raises:
+        InvalidRange: OpenCV cannot hold what `fix` names.
+        MeasurementFailed: OpenCV finds no rig.
+    """
+    sightings = ordered.sightings
+    found = np.asarray(sightings.cameras.any(axis=1))
+    kept = found & ordered.agrees
+    least = max(int(np.ceil((1 - _MOST_LEFT_OUT) * found.sum())), _LEAST_KEPT)
+    fit, opencv = fit_rig(sightings.chosen(kept), parameters, fix)
+    while True:
+        index = np.flatnonzero(kept)
+        checks = []
+        for k in range(len(index)):
+            checks.append(held_out(fit, k))
+            if told is not None:
+                told("pictures held out", k + 1, len(index))
+        ratios = np.array([check.ratio for check in checks])
+        if not (ratios > LIMIT).any() or kept.sum() <= least:
+            break
+        worst = int(np.nanargmax(ratios))
+        kept[index[worst]] = False
+        without = checks[worst].fit
+        fit = adjusted_from(without.sightings, parameters, without.adjusted.rig, without.adjusted.poses)
+    if kept.sum() < found.sum():
+        fit, opencv = fit_rig(sightings.chosen(kept), parameters, fix)
+    all_checks: list[HeldOut | None] = [None] * len(sightings)
+    reasons: list[Reason] = [""] * len(sightings)
+    for k, check in zip(index.tolist(), checks, strict=True):
+        all_checks[k] = check
+    for k in np.flatnonzero(found & ~kept).tolist():
+        check = predicted(fit, sightings, k, _start(sightings, fit, k))
+        all_checks[k] = check
+        reasons[k] = "mixed_up" if not ordered.agrees[k] else why(check, sightings, k)
+    return Sorted(fit, opencv, kept, tuple(all_checks), tuple(reasons))
+
+
+def why(check: HeldOut, sightings: Sightings, pair: int) -> Reason:
+    """Why a pair is not as the others predict."""
+    fit = check.fit
+    alone = [alone_rms(fit, sightings, pair, side, check.pose) for side in (0, 1)]
+    if max(alone) < _MOVED * fit.noise_px:
+        return "moved"
+    squares = np.sum(check.residuals**2, axis=-1).ravel()
+    squares = np.sort(squares[np.isfinite(squares)])[::-1]
+    few = max(int(_FEW_CORNERS * squares.size), 1)
+    if squares[:few].sum() > _THEIR_SHARE * squares.sum():
+        return "hidden"
+    claimed = sightings.claimed_px
+    if np.isfinite(claimed[pair]).any():
+        usual = np.nanmedian(np.delete(claimed, pair, axis=0))
+        if max(np.nanmedian(claimed[pair, side]) for side in (0, 1)) > _BLURRED * usual:
+            return "blurred"
+    if distance_rms(_flattened(check, sightings, pair)) < _BENT_LEFT * distance_rms(check.residuals):
+        return "bent"
+    if max(alone) < distance_rms(check.residuals) / np.sqrt(2) / _MOVED:
+        return "moved"
+    return "unexplained"
+
+
+def _flattened(check: HeldOut, sightings: Sightings, pair: int) -> Array:
+    """Its residuals (k, 2) where the board's warps and its pose explain them best, to first order."""
+    fit = check.fit
+    warped = RigParameters.of(fit.parameters.lenses, warped=True)
+    J, J_pose = slopes(fit.adjusted.rig, warped, fit.adjusted.board, check.pose)
+    known = np.isfinite(check.residuals)
+    A = np.column_stack([J[0][known][:, warped.warp], J_pose[0][known]])
+    r = check.residuals[known]
+    left = r - A @ np.linalg.lstsq(A, r, rcond=None)[0]
+    return np.asarray(left.reshape(-1, 2))
+
+
+def _start(sightings: Sightings, fit: Fit, pair: int) -> BoardPoses:
+    """About where a board was, by the left camera or, where it saw none, by the right one."""
+    rig = fit.adjusted.rig
+    for side, camera in ((0, rig.left), (1, rig.right)):
+        known = sightings.found[pair, side]
+        pose = None
+        if known.any():
+            pose = board_pose(camera, sightings.board.points[known], sightings.observed[pair, side, known])
+        if pose is not None:
+            pose = pose if side == 0 else rig.right_from_left.inverse @ pose
+            return BoardPoses(pose.R[None], pose.t[None])
+    return fit.adjusted.poses.chosen(np.array([0]))
