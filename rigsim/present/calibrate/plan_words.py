@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 
+from rigsim.present.calibrate.witness_words import agreement_words as agreement_words
 from rigsim.present.calibrate.words import board_words, pictures
 from rigsim.present.calibrate.words import holding_words as holding_words
 from rigsim.present.calibrate.words import parameter as parameter
-from rigsim.present.kit.agreement import reason
 from rigsim.present.kit.format import length, plain
-from rigsim.study.agreement.agreement import Agreement
 from rigsim.study.calibrate.enough import NOTICED, chosen_depth, chosen_places, enough
 from rigsim.study.calibrate.holding import holdings
 from rigsim.study.calibrate.plan.result import CalibrationPlan
@@ -204,11 +203,6 @@ def order_sentence(plan: CalibrationPlan) -> str:
     if isinstance(plan.asked.poses, int):
         return "Best first: after any of them you may stop, and the curve says what you have."
     return "In the order of the file."
-
-
-def agreement_words(agreement: Agreement) -> str:
-    """Why witnesses do not agree; empty where they do."""
-    return reason(agreement)
 
 
 def held_words(plan: CalibrationPlan) -> str:
