@@ -14,6 +14,7 @@ from rigsim.rig.lens.kannala_brandt import KannalaBrandt
 from rigsim.rig.lens.lens import Lens
 from rigsim.rig.lens.rational import Rational
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.calibrate.plan.free import estimated
 from rigsim.study.calibrate.plan.models import in_model, lens_model, own_model, seldom_estimated
 from tests.helpers.board_rigs import RIG
 from tests.helpers.sampling import RIGS
@@ -75,3 +76,28 @@ def test_a_rig_is_calibrated_as_what_it_is() -> None:
     assert seldom_estimated(RIG, Rational) == ("s1", "s2", "s3", "s4", "tau_x", "tau_y")
     prism = replace(RIG.left, lens=Rational(s1=0.01))
     assert seldom_estimated(StereoRig(prism, prism, RIG.right_from_left), Rational) == ()
+
+
+def test_what_does_nothing_of_its_own_is_held() -> None:
+    """Around a pinhole a rational lens's k4 undoes its k1; a field of view of 0 has no slope at all."""
+    plain = StereoRig.rectified(rigsim.Intrinsics.from_focal(640, 480, 500.0), 0.1)
+    parameters, (remark,) = estimated(plain, Rational, fix=("p1",))
+    free = set(parameters.free_names(plain))
+    assert {"left.k1", "right.k3", "left.p2"} <= free
+    assert not free & {"left.k4", "right.k5", "right.k6", "left.p1", "left.s1", "right.tau_x"}
+    assert remark.code == "held"
+    assert remark.text.startswith("k4, k5, k6 of the rational model are held")
+    parameters, _ = estimated(plain, rigsim.FieldOfView)
+    assert not any(name.endswith(".w") for name in parameters.free_names(plain))
+
+
+def test_what_does_something_of_its_own_is_estimated() -> None:
+    bent = replace(RIG.left, lens=Rational(-0.2, 0.06, 0.001, -0.001, 0.004, 0.1, 0.01, 0.003))
+    rig = StereoRig(bent, bent, RIG.right_from_left)
+    parameters, remarks = estimated(rig, Rational)
+    assert not remarks
+    assert parameters.free.sum() == 2 * 12 + 6
+    parameters, remarks = estimated(RIG, BrownConrady, warped=True)
+    assert not remarks
+    assert parameters.free.all()
+    assert parameters.warped

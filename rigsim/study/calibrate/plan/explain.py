@@ -16,6 +16,8 @@ from rigsim.theory.calibration.boards import BoardPoses
 from rigsim.theory.calibration.covariance import CalibrationCovariance
 
 _NO_TILT_RAD = math.radians(2)
+_BESIDE = 1e-3
+"""So far off its axis a camera's scale is taken, a share of the distance."""
 _MIDDLE = 0.5
 """Share of the half diagonal of a picture; within, a lens bends little."""
 
@@ -103,15 +105,19 @@ def farthest_out(asked: PlanAsked, reached: ReachedPoses) -> float:
 
 
 def focal_openness(covariance: CalibrationCovariance) -> float:
-    """Largest standard deviation of a focal length, as a share of it."""
-    rig, names, std = covariance.rig, covariance.names, covariance.std
-    sizes = {
-        "left.fx": rig.left.fx,
-        "left.fy": rig.left.fy,
-        "right.fx": rig.right.fx,
-        "right.fy": rig.right.fy,
-    }
-    return max(float(std[names.index(name)]) / size for name, size in sizes.items())
+    """Largest standard deviation of a camera's scale on its axis, as a share of it.
+
+    That of the focal length, whatever a lens's coefficients do to it.
+    """
+    rig, parameters, found = covariance.rig, covariance.parameters, 0.0
+    beside = np.array([[_BESIDE, 0, 1], [-_BESIDE, 0, 1], [0, _BESIDE, 1], [0, -_BESIDE, 1]])
+    for side, camera in enumerate((rig.left, rig.right)):
+        own = parameters.columns(side)
+        slopes = parameters.camera_slopes(rig, side, beside)
+        scale = np.stack([slopes[0, 0] - slopes[1, 0], slopes[2, 1] - slopes[3, 1]]) / (2 * _BESIDE)
+        variance = np.einsum("kp,pq,kq->k", scale, covariance.matrix[own, own], scale)
+        found = max(found, float((np.sqrt(np.maximum(variance, 0)) / np.abs(camera.axial_focal_px)).max()))
+    return found
 
 
 def _some(names: tuple[str, ...]) -> str:
