@@ -35,8 +35,8 @@ def estimated(
     said = f"{', '.join(words)} of the {model.title} model {'is' if len(words) == 1 else 'are'} held"
     remark = Remark(
         "held",
-        f"{said}: around this rig's lenses other parameters do the same; give the real lens, if it bends, to count what is"
-        " estimated there",
+        f"{said}: around this rig's lenses other parameters do the same; give the real lens, if it bends,"
+        " to count what is estimated there",
     )
     return RigParameters.of((model, model), fix=(*held, *idle), warped=warped), (remark,)
 
