@@ -28,7 +28,8 @@ from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.calibrate.depths import PLACES, point_at
 from rigsim.study.calibrate.plan.asked import PlanAsked, Reach
-from rigsim.study.calibrate.plan.models import in_model, own_model, seldom_estimated
+from rigsim.study.calibrate.plan.free import estimated
+from rigsim.study.calibrate.plan.models import in_model, own_model
 from rigsim.study.calibrate.plan.reach import ReachedPoses, random_poses
 from rigsim.study.calibrate.plan.run import plan_covariance, run_plan
 from rigsim.theory.calibration.boards import BoardPoses
@@ -65,7 +66,7 @@ def asked(rig: StereoRig, held: Board, reach: Reach) -> PlanAsked:
     """A plan for a rig in its own lens model."""
     model = own_model(rig)
     made, _ = in_model(rig, model)
-    parameters = RigParameters.of((model, model), fix=seldom_estimated(made, model))
+    parameters, _ = estimated(made, model)
     return PlanAsked(made, parameters, held, _COUNT, reach, at_m=(_DEPTH_M,))
 
 
@@ -115,12 +116,10 @@ def _ratios(reference: Mapping[str, Any], scenario: Mapping[str, Any]) -> dict[s
 
 def _chosen_over_random() -> None:
     print(
-        f"\n{_COUNT} chosen poses: calibration's depth std at {_DEPTH_M:g} m over the median of {_DRAWS} draws of"
-        f" random ones (axis: at most .7 in the median), and parallel boards"
+        f"\n{_COUNT} chosen poses: depth std at {_DEPTH_M:g} m from calibration over the median of {_DRAWS}"
+        " draws of random ones (axis: at most .7 in the median); what parallel boards come to"
     )
-    print(
-        f"{'rig':14s} {'board':12s} {'axis':>6s} {'edge':>6s} {'corner':>6s} {'chosen':>10s} {'next':>6s}  tilt 0"
-    )
+    print(f"{'rig':14s} {'board':14s} axis   edge  corner    chosen   next  parallel")
     found = []
     for name, plan in rigs():
         chosen = run_plan(plan)

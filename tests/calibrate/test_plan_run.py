@@ -90,7 +90,6 @@ def test_pixel_noise_alone_can_be_too_much() -> None:
     ("change", "hindrance"),
     [
         ({"reach": Reach(tilt_rad=math.radians(8))}, "tilt"),
-        ({"board": Board(7, 5, 0.012)}, "board"),
         ({"flatness_m": 2e-3}, "flatness"),
     ],
 )

@@ -56,11 +56,9 @@ def observation_std(asked: PlanAsked, z_m: float) -> float:
     return float(predict_depth_std(asked.rig, [[0.0, 0.0, z_m]], PixelNoise(asked.noise_px))[0])
 
 
-def curve(
-    asked: PlanAsked, places: PosePool, picks: Picks, rng: np.random.Generator
-) -> tuple[CurvePoint, ...]:
+def curve(asked: PlanAsked, pool: PosePool, picks: Picks, rng: np.random.Generator) -> tuple[CurvePoint, ...]:
     """From the fewest pictures to as many as `picks`, which are best first."""
-    stds, random = places.stds(picks), _random_stds(places, len(picks), rng)
+    stds, random = pool.stds(picks), _random_stds(pool, len(picks), rng)
     joint = np.hypot(stds, observation_std(asked, asked.chosen_for_m))
     return tuple(
         CurvePoint(k + 1, float(stds[k]), float(random[k]), float(joint[k]))
@@ -68,44 +66,49 @@ def curve(
     )
 
 
-def first_that_meets(asked: PlanAsked, places: PosePool, picks: Picks) -> tuple[int | None, Picks]:
+def first_that_meets(asked: PlanAsked, pool: PosePool, picks: Picks) -> tuple[int | None, Picks]:
     """The fewest of `picks`, and of the best that follow, that meet the goal's depth error; and all tried."""
     if asked.goal is None:
         return None, picks
     observation = observation_std(asked, asked.goal.z_m)
     while True:
-        met = np.hypot(places.stds(picks), observation) <= asked.goal.error_m
+        met = np.hypot(pool.stds(picks), observation) <= asked.goal.error_m
         met[: LEAST_POSES - 1] = False
         if met.any():
             return int(np.argmax(met)) + 1, picks
-        more = places.extended(picks, min(len(picks) + LONG // 2, MOST_POSES))
+        more = pool.extended(picks, min(len(picks) + LONG // 2, MOST_POSES))
         if len(more) <= len(picks):
             return None, picks
         picks = more
 
 
-def next_pose(places: PosePool, picks: Picks) -> NextPose | None:
-    """Where one more board does the most beside `picks`; None where none can be held anywhere."""
-    if len(places.reached) == places.given:
-        return None
-    allowed = np.flatnonzero(~places.close[picks].any(axis=0))
-    if not allowed.size:
-        allowed = np.arange(places.given, len(places.reached))
-    sums, terms = places.sums(picks), places.terms
-    with_it = sums.plus(terms.boards.chosen(allowed))
-    axis, now = terms.axis_variance(with_it), terms.axis_variance(sums)
-    # not one that helps elsewhere at the axis's cost, if there is any other
-    best = int(np.argmin(np.where(axis < now, terms.loss(with_it), np.inf) if (axis < now).any() else axis))
-    found = places.reached.chosen(allowed[best : best + 1])
-    left, right = found.seen[0]
-    gain = float(np.sqrt(axis[best] / now))
-    return NextPose(found.poses.rows[0], (bool(left), bool(right)), gain)
+def next_pose(pool: PosePool, picks: Picks) -> NextPose | None:
+    """Where one more board does the most beside `picks`; None where none can be held anywhere.
+
+    Somewhere else than they are, if that helps the depth on the axis; where one was already, if not.
+    """
+    sums, terms = pool.sums(picks), pool.terms
+    now = terms.axis_variance(sums)
+    places = np.arange(len(pool.reached))
+    for allowed in (places[~pool.close[picks].any(axis=0)], places[pool.given :]):
+        if not allowed.size:
+            continue
+        with_it = sums.plus(terms.boards.chosen(allowed))
+        axis = terms.axis_variance(with_it)
+        if not (axis < now).any():
+            continue
+        best = int(np.argmin(np.where(axis < now, terms.loss(with_it), np.inf)))
+        found = pool.reached.chosen(allowed[best : best + 1])
+        left, right = found.seen[0]
+        gain = float(np.sqrt(axis[best] / now))
+        return NextPose(found.poses.rows[0], (bool(left), bool(right)), gain)
+    return None
 
 
-def _random_stds(places: PosePool, count: int, rng: np.random.Generator) -> Array:
+def _random_stds(pool: PosePool, count: int, rng: np.random.Generator) -> Array:
     """Median depth std (count,) m of the first one, two, ... of random poses that both cameras see."""
-    both = np.flatnonzero(places.reached.both)
-    both = both[both >= places.given]
+    both = np.flatnonzero(pool.reached.both)
+    both = both[both >= pool.given]
     if not both.size:
         return np.full(count, np.inf)
     draws = [
@@ -115,4 +118,4 @@ def _random_stds(places: PosePool, count: int, rng: np.random.Generator) -> Arra
         ]
         for _ in range(_DRAWS)
     ]
-    return np.asarray(np.median([places.stds(list(draw)) for draw in draws], axis=0))
+    return np.asarray(np.median([pool.stds(list(draw)) for draw in draws], axis=0))

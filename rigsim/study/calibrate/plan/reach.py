@@ -22,7 +22,7 @@ _MOST_OBLIQUE_RAD = math.radians(65)
 _BATCH = 4096
 _MOST_BATCHES = 8
 _ENOUGH_BATCHES = 3
-"""After so many a few poses will do."""
+"""After so many a few poses will do, and none is a sign that there are none."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,7 +64,9 @@ def random_poses(asked: PlanAsked, count: int, rng: np.random.Generator, alone: 
         found = reachable(asked, drawn_poses(asked, _BATCH, rng))
         shared = shared.joined(found.chosen(found.both))
         single = single.joined(found.chosen(~found.both))
-        if len(shared) >= count or (batch >= _ENOUGH_BATCHES and len(shared) >= count / 5):
+        if len(shared) >= count or (
+            batch + 1 >= _ENOUGH_BATCHES and (not len(shared) or len(shared) >= count / 5)
+        ):
             break
     if not len(shared):
         raise out_of_reach(asked, lambda changed, poses: bool(reachable(changed, poses).both.any()))

@@ -96,7 +96,7 @@ class CalibrationPlan:
     needed: PicturesNeeded
     """How many meet the goal."""
     next_pose: NextPose | None
-    """Where one more board does the most; None where no place can be reached."""
+    """Where one more board does the most; None where no place that can be reached helps."""
     inseparable: tuple[Inseparable, ...]
     """Pairs of parameters that are correlated the most, the strongest first."""
     remarks: tuple[Remark, ...]
