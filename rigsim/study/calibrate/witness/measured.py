@@ -41,7 +41,7 @@ def measure_calibrations(
 
     OpenCV calibrates, from the boards that both cameras saw whole and starting from the planned rig; where it
     knows no such lens model, or cannot hold what is held, `adjust` does from all boards. The covariance is
-    that of the same boards at the noise of the corners that were found.
+    that of the same boards, which are flat, at the noise of the corners that were found.
 
     Args:
         bench: What is calibrated; its corner noise does not matter.
@@ -51,6 +51,7 @@ def measure_calibrations(
         progress: Told of ``pictures`` and ``calibrations`` as they are made. When it is interrupted
             (KeyboardInterrupt) while calibrating, what is done by then is concluded from.
     """
+    bench = replace(bench, flatness_m=0.0)
     by_opencv = fix_for_opencv(bench.parameters) is not None
     if by_opencv:
         bench = bench.chosen(np.asarray(bench.seen.all(axis=1)))
