@@ -57,7 +57,8 @@ class _Sizes:
         elif known[0] != size:
             camera = ("left", "right")[side]
             raise InvalidImage(
-                f"{file}: {size[0]}x{size[1]} px, but {known[1]} has {known[0][0]}x{known[0][1]}: pictures of the"
+                f"{file}: {size[0]}x{size[1]} px, but {known[1]} has {known[0][0]}x{known[0][1]}: pictures"
+                " of the"
                 f" {camera} camera must all be of one size; leave out those of the other"
             )
 
@@ -65,7 +66,8 @@ class _Sizes:
 def look(board: Board, pairs: Sequence[PicturePair], told: Told | None = None) -> Looked:
     """Find the board in every picture.
 
-    A picture without one, or that cannot be read, is no error. Ctrl-C ends the search and keeps what was found.
+    A picture without one, or that cannot be read, is no error. Ctrl-C ends the search and keeps what was
+    found.
 
     Raises:
         InvalidImage: one camera's pictures are of different sizes.
@@ -150,7 +152,8 @@ def _turned(board: Board, sightings: Sightings) -> tuple[Remark, ...]:
         return ()
     swapped = f"{board.rows}x{board.cols}"
     text = (
-        f"board {board.cols}x{board.rows}: both ways were tried; the pictures show it lying, {board.rows} corners"
+        f"board {board.cols}x{board.rows}: both ways were tried; the pictures show it lying, {board.rows}"
+        " corners"
         f" across and {board.cols} down: {swapped} is the same board, and gives the same rig"
     )
     return (Remark("board_turned", text),)
@@ -168,11 +171,14 @@ def _none_found(board: Board, pairs: Sequence[PicturePair]) -> str:
                 continue
             if others:
                 return (
-                    f"no picture shows a board of {board.cols}x{board.rows} inner corners, but {pair.left} one of"
-                    f" {cols}x{rows}: count inner corners, one fewer than squares, and give --board {cols}x{rows}@..."
+                    f"no picture shows a board of {board.cols}x{board.rows} inner corners, but {pair.left}"
+                    " one of"
+                    f" {cols}x{rows}: count inner corners, one fewer than squares, and give --board"
+                    f" {cols}x{rows}@..."
                 )
     return (
         f"no board of {board.cols}x{board.rows} (or {board.rows}x{board.cols}) inner corners in any of"
-        f" {2 * len(pairs)} pictures: it must be visible as a whole, with squares of at least 6 px; count inner"
+        f" {2 * len(pairs)} pictures: it must be visible as a whole, with squares of at least 6 px; count"
+        " inner"
         " corners, not squares"
     )

@@ -23,12 +23,15 @@ from rigsim.study.calibrate.plan.result import NextPose
 from rigsim.theory.calibration.covariance import CalibrationCovariance
 
 PictureVerdict: TypeAlias = Literal[
-    "good", "one_camera", "outlier", "not_found", "several", "unreadable", "duplicate"
+    "good", "suspect", "one_camera", "outlier", "not_found", "several", "unreadable", "duplicate"
 ]
-"""What became of a pair: it counts; it counts for one camera, the other shows no board; the others do not
-predict it; no board in either; two such boards; a file that is no picture; the same as an earlier one."""
+"""What became of a pair: it counts; it counts, but is hardly as the others predict; it counts for one
+camera, the other shows no board; the others do not predict it; no board in either; two such boards; a file
+that is no picture; the same as an earlier one."""
 
 
+KEPT: tuple[PictureVerdict, ...] = ("good", "suspect", "one_camera")
+"""Verdicts of pairs that count."""
 _LEAST_TOLD = 3
 _MOST_RATIO = 1.25
 """Of all pictures together: honest corners, some hundred a picture, stay within 1.05."""
@@ -47,8 +50,8 @@ class PictureCheck:
     corners: tuple[int, int]
     """Corners found in the left and the right picture."""
     rms_px: float
-    """Root mean square distance of its corners from where they should be, px; NaN without any. An outlier's is
-    with the others' rig."""
+    """Root mean square distance of its corners from where they should be, px; NaN without any. An outlier's
+    is with the others' rig."""
     ratio: float
     """Residual over what the others predict; NaN where they do not."""
 
@@ -111,7 +114,7 @@ class CalibratedPictures:
     @property
     def ratio(self) -> float:
         """Root mean square of the kept pictures' ratios: 1 for honest corners."""
-        ratios = np.array([each.ratio for each in self.pictures if each.verdict in ("good", "one_camera")])
+        ratios = np.array([each.ratio for each in self.pictures if each.verdict in KEPT])
         return rms(ratios[np.isfinite(ratios)])
 
     @property
@@ -130,4 +133,4 @@ class CalibratedPictures:
         shift = self.covariance.parameters.pose
         C = self.covariance.matrix[shift, shift][3:, 3:]
         along = self.rig.right_from_left.t / self.rig.baseline_m
-        return float(np.sqrt(max(along @ C @ along, 0.0)))
+        return float(np.sqrt(max(float(along @ C @ along), 0.0)))
