@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rigsim.api.kit.asked import depth_errors
+from rigsim.api.kit.calibrations import names_calibration, read_calibration_tolerance, rig_of_calibration
 from rigsim.api.kit.golden import print_comparison
 from rigsim.api.kit.plain import takes
 from rigsim.api.result import Result
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
     from rigsim.interop.documents.base import Written
     from rigsim.present.kit.types import Figure, Table
     from rigsim.study.golden.compare import GoldenReport
+    from rigsim.study.tolerance.joint.cause import CalibrationTolerance
     from rigsim.study.tolerance.run import ToleranceResult
     from rigsim.study.tolerance.sensitivities import BuildRequirement, Tolerances
 
@@ -35,14 +38,14 @@ NO_CLASS = "none"
 class ToleranceOptions:
     """The arguments of `tolerance`, which says what they mean."""
 
-    rig: RigLike
+    rig: RigLike | None = None
     _: KW_ONLY
     depth_error_mm: float | None = None
     depth_error_pct: float | None = None
     at_m: float | None = None
     max_row_error_px: float | None = None
     range_m: tuple[float, float] = (1.0, 5.0)
-    tolerance_class: str = "machined"
+    tolerance_class: str | os.PathLike[str] = "machined"
     tolerances: Mapping[str, float] | None = None
     bounds: Collection[str] = ()
     distribution: str = "normal"
@@ -151,14 +154,17 @@ def tolerance(options: ToleranceOptions) -> Toleranced:
     A rig is good when its own depth error, of its build and its pixel noise, meets the requirement.
 
     Args:
-        rig: The rig as drawn: a preset's name, a calibration's path or text, or a rig.
+        rig: The rig as drawn: a preset's name, a calibration's path or text, or a rig. May be left out where
+            `tolerance_class` names a calibration's covariance: it is the calibrated one.
         depth_error_mm: Largest root mean square depth error of one rig over the image and its noise, mm.
         depth_error_pct: The same in percent of the distance, instead; 1 where neither is given.
         at_m: Its distance, m; the far end by default.
         max_row_error_px: Largest row misalignment of one rig's rectified pair as well, root mean square over
             the image, at every distance of the range, px; any by default.
         range_m: Working range, (near, far), m.
-        tolerance_class: printed, machined, calibrated, or none.
+        tolerance_class: printed, machined, calibrated, or none; or the path of a covariance.json, plan.json
+            or calibration.json of `rigsim calibrate`: rigs are off by all of its parameters together, as
+            their joint covariance says, and are not recalibrated.
         tolerances: Single tolerances in place of the class's, by name with unit, as ``{"yaw_deg": 0.05}``:
             one standard deviation each, in the unit that the name ends with.
         bounds: Names of those that are a bound, +-, instead.
@@ -200,8 +206,14 @@ def _run(options: ToleranceOptions) -> ToleranceResult:
 
     near_m, far_m = _range(options.range_m)
     required = _required(options, far_m)
-    rig = read_rig(options.rig)
-    held = _held(options, rig)
+    calibration = _calibration(options.tolerance_class)
+    if calibration is not None:
+        rig = rig_of_calibration(options.rig, calibration)
+    elif options.rig is None:
+        raise InvalidRange("no rig: name one, or a calibration's covariance as the class")
+    else:
+        rig = read_rig(options.rig)
+    held = _held(options, rig, calibration)
     noise_px = coordinate_noise_px(options.noise_px, options.disparity_noise_px)
     session = Recalibration(
         options.recalibration_features,
@@ -210,7 +222,7 @@ def _run(options: ToleranceOptions) -> ToleranceResult:
         given.real(options.length_std_mm, "length_std_mm"),
     )
     return run_tolerance(
-        Build(rig, held, session.noise_px, session if options.recalibrate else None),
+        Build(rig, held, session.noise_px, session if options.recalibrate and calibration is None else None),
         required,
         (near_m, far_m),
         n_rigs=options.rigs,
@@ -243,14 +255,26 @@ def _required(options: ToleranceOptions, far_m: float) -> BuildRequirement:
     )
 
 
-def _held(options: ToleranceOptions, rig: StereoRig) -> Tolerances:
-    """The class's tolerances, and those given in their place."""
+def _calibration(name: str | os.PathLike[str]) -> CalibrationTolerance | None:
+    """What the calibration that is named in place of a class leaves; None of a class."""
+    from rigsim.study.tolerance.sensitivities import CLASSES
+
+    if name in (*CLASSES, NO_CLASS):
+        return None
+    if not names_calibration(name):
+        classes = ", ".join((*CLASSES, NO_CLASS))
+        raise InvalidRange(
+            f"class {name!r}: choose one of {classes}, or name a calibration's covariance.json"
+        )
+    return read_calibration_tolerance(name)
+
+
+def _held(options: ToleranceOptions, rig: StereoRig, calibration: CalibrationTolerance | None) -> Tolerances:
+    """The class's tolerances, or the calibration's, and those given in their place."""
     from rigsim.study.tolerance.sensitivities import CLASSES, QUANTITIES, Tolerances, with_values
 
     name = options.tolerance_class
-    if name not in (*CLASSES, NO_CLASS):
-        raise InvalidRange(f"class {name!r}: choose one of {', '.join(CLASSES)}, {NO_CLASS}")
-    base = Tolerances() if name == NO_CLASS else CLASSES[name].tolerances(rig)
+    base = CLASSES[str(name)].tolerances(rig) if name in CLASSES else Tolerances(calibration=calibration)
     found = {key: given.real(value, key) for key, value in dict(options.tolerances or {}).items()}
     bounds = {options.bounds} if isinstance(options.bounds, str) else {str(key) for key in options.bounds}
     for key in (*found, *bounds):
@@ -288,7 +312,11 @@ def _remarks(options: ToleranceOptions, result: ToleranceResult) -> tuple[Remark
     """Whether a motion was given that acts on nothing, and what a class has no tolerance of."""
     found: tuple[Remark, ...] = ()
     bent = next((lens for lens in (result.rig.left.lens, result.rig.right.lens) if not are_brown(lens)), None)
-    if bent is not None and options.tolerance_class != NO_CLASS:
+    calibration = result.tolerances.calibration
+    if calibration is not None and options.recalibrate:
+        text = f"{calibration.name} says what a calibration leaves: its rigs are not recalibrated once more"
+        found = (Remark("not_recalibrated", text),)
+    elif bent is not None and options.tolerance_class != NO_CLASS:
         text = f"a lens is a {bent.model}: the class's tolerances of k1 are Brown-Conrady's, and left out"
         found = (Remark("no_k1", text),)
     motion = _motion(options)

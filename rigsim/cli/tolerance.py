@@ -46,7 +46,13 @@ class ToleranceWords:
         str, typer.Option("--range", metavar="NEAR:FAR", help="Working range: 0.5:3m.")
     ] = "1:5m"
     class_name: Annotated[
-        str, typer.Option("--class", metavar="NAME", help="printed, machined, calibrated, or none.")
+        str,
+        typer.Option(
+            "--class",
+            metavar="NAME|FILE",
+            help="printed, machined, calibrated, or none; or the covariance.json, plan.json or"
+            " calibration.json of rigsim calibrate, whose rig is taken where none is named.",
+        ),
     ] = "machined"
     tolerance: ToleranceWord = None
     distribution: Annotated[
@@ -117,7 +123,10 @@ def tolerance(options: RigOptions, words: ToleranceWords, golden: GoldenWords) -
     asked = tolerance_requirement(words.depth_error)
     claim(words.out, words.force)
     golden.check("tolerance")
-    rig = options.single(DEFAULT_PRESET)
+    from rigsim.api.kit.calibrations import names_calibration
+
+    calibrated = names_calibration(words.class_name) and not options.typed()
+    rig = None if calibrated else options.single(DEFAULT_PRESET)
     values, bounds = tolerance_values(words.tolerance or [])
 
     from rigsim.api.tolerance import tolerance as run

@@ -46,6 +46,9 @@ WITHOUT_UNIT = {
     *("same", "within_tolerance", "within_noise", "moved", "new", "gone", "efficiency"),
     *("false_alarm", "explained"),  # shares
     *("coefficients", "rotation"),
+    *("columns", "poses", "calibrations", "pictures_needed", "pictures_enough"),  # counts
+    *("across", "down", "gain", "correlation", "ratio", "ratio_low", "ratio_high"),  # shares, ratios
+    "left_from_board",  # three rad, three m
     "seconds",
     "frames",
     "pixels",

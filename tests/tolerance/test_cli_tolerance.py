@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from rigsim.cli.app import run
+from rigsim.interop.documents.tolerance.models import OfCalibration
 from rigsim.study.tolerance.sensitivities import QUANTITIES
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "reference" / "tolerance.md").read_text(
@@ -244,6 +245,7 @@ def test_the_page_holds_every_key_and_quantity(capsys: pytest.CaptureFixture[str
         *said["rows"],
         *said["interactions"],
         *said["recalibration"],
+        *OfCalibration.model_fields,
     }
     documented = set(re.findall(r"`([\w.]+)`", PAGE))
     assert keys <= documented

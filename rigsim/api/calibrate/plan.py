@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-import operator
 import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, SupportsIndex, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
+import numpy as np
 import numpy.typing as npt
 
 from rigsim.api.kit.asked import depth_errors
@@ -253,8 +253,8 @@ def _poses(poses: object) -> BoardPoses | int:
         return poses
     if isinstance(poses, str | os.PathLike):
         return read_poses(given.path(poses, "poses"))
-    if isinstance(poses, SupportsIndex) and not isinstance(poses, bool):
-        return operator.index(poses)
+    if isinstance(poses, int | np.integer) and not isinstance(poses, bool):
+        return int(poses)
     rows = BoardPoses.of(cast(npt.ArrayLike, poses))
     if not len(rows):
         raise InvalidRange("poses: there are none: give a number, a poses.json, or six numbers a board")

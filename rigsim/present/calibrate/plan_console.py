@@ -7,6 +7,13 @@ import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
+from rigsim.present.calibrate.drift_words import (
+    DRIFT_SAYS,
+    DRIFT_TITLE,
+    drift_heads,
+    drift_numeric,
+    drift_rows,
+)
 from rigsim.present.calibrate.plan_words import (
     curve_shown,
     frame_sentence,
@@ -26,6 +33,7 @@ from rigsim.present.calibrate.witness_words import (
 from rigsim.present.calibrate.words import parameter_head
 from rigsim.present.kit.console import make_console, paragraph, print_table
 from rigsim.present.kit.format import number, plain
+from rigsim.study.calibrate.drift import drift
 from rigsim.study.calibrate.estimated import estimates
 from rigsim.study.calibrate.plan.result import CalibrationPlan
 from rigsim.study.calibrate.witness.result import CalibrationWitness
@@ -72,6 +80,9 @@ def print_plan(
         if sentence:
             paragraph(console, sentence)
     console.print()
+    paragraph(console, DRIFT_SAYS)
+    found = drift(plan.asked.rig, plan.asked.at_m)
+    print_table(DRIFT_TITLE, drift_heads(found), drift_rows(found), numeric=drift_numeric(found))
     _print_next(plan, command, folder)
 
 
@@ -83,11 +94,12 @@ def _print_next(plan: CalibrationPlan, command: str, folder: Path | None) -> Non
         paragraph(console, f"Next: print the sheet for the bench: {again} writes plan/plan.html.")
         return
     page = shlex.quote(str(folder / "plan.html"))
+    pictures = f"rigsim calibrate pictures LEFT... RIGHT... --board {board}"
     console.print(f"Files: {folder}", soft_wrap=True)
     paragraph(
         console,
-        f"Next: print {page}, take the pictures, then"
-        f" `rigsim calibrate pictures LEFT... RIGHT... --board {board}` makes the calibration of them and says what it leaves.",
+        f"Next: print {page} and take the pictures; `{pictures}` makes a calibration of them and says what"
+        " it leaves.",
     )
 
 

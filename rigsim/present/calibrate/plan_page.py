@@ -9,6 +9,13 @@ import numpy as np
 from markupsafe import Markup
 
 from rigsim.present.calibrate.board_shapes import shape
+from rigsim.present.calibrate.drift_words import (
+    DRIFT_SAYS,
+    DRIFT_TITLE,
+    drift_heads,
+    drift_numeric,
+    drift_rows,
+)
 from rigsim.present.calibrate.plan_console import (
     CURVE_HEADS,
     curve_rows,
@@ -45,6 +52,7 @@ from rigsim.present.kit import style
 from rigsim.present.kit.page import Cover, fill
 from rigsim.rig.arrays import Array
 from rigsim.rig.remark import Remark
+from rigsim.study.calibrate.drift import drift
 from rigsim.study.calibrate.holding import Holding, holdings
 from rigsim.study.calibrate.plan.result import CalibrationPlan
 from rigsim.study.calibrate.witness.result import CalibrationWitness
@@ -78,7 +86,7 @@ def plan_html(
     """The sheet for the bench and the numbers behind it as one page, without scripts, links or network."""
     curve = style.to_svg(curve_figure(plan), "curve", "Depth error by the number of pictures")
     projection = style.to_svg(projection_figure(plan), "projection", "Uncertainty over both pictures")
-    heads = depth_heads(plan)
+    heads, changes = depth_heads(plan), drift(plan.asked.rig, plan.asked.at_m)
     return fill(
         "plan.html",
         title=f"Calibration plan, {plan.asked.board.text}",
@@ -104,7 +112,11 @@ def plan_html(
         inseparable=inseparable_sentence(plan),
         parameters=parameter_rows(plan),
         held=held_words(plan),
-        drift_rows=[],
+        drift_rows=drift_rows(changes),
+        drift_heads=drift_heads(changes),
+        drift_numeric=drift_numeric(changes),
+        drift_title=DRIFT_TITLE,
+        drift_says=DRIFT_SAYS,
         command=command,
     )
 

@@ -98,9 +98,7 @@ def corner_sentence(plan: CalibrationPlan) -> str:
         f"{length(row.joint_m)} at the picture's {row.place} ({length(row.calibration_m)} by calibration)"
         for row in off
     )
-    return (
-        f"That is on the left camera's axis, which poses are chosen for; at the same distance it is {parts}."
-    )
+    return f"That is on the left camera's axis; at the same distance it is {parts}."
 
 
 def enough_sentence(plan: CalibrationPlan) -> str:
@@ -174,8 +172,13 @@ def next_sentence(plan: CalibrationPlan) -> str:
     seen = plan.seen[:1].copy()
     seen[0] = found.seen
     (held,) = holdings(plan.asked.rig, plan.asked.board, BoardPoses.of([found.left_from_board]), seen)
-    gain = f"{100 * (1 - found.gain):.2g} %"
-    return f"One more picture does the most here: {holding_words(held)}; calibration error {gain} less."
+    less = 100 * (1 - found.gain)
+    if less < 1:
+        return f"One more picture hardly changes that; it would do the most so: {holding_words(held)}."
+    return (
+        f"One more picture does the most so: {holding_words(held)}; calibration error on the axis {less:.2g}"
+        " % less."
+    )
 
 
 def curve_shown(plan: CalibrationPlan) -> list[int]:

@@ -19,8 +19,8 @@ _LEFT_IN, _TOP_IN, _WIDTH_IN, _GAP_IN, _LINE_IN = 0.15, 0.95, 2.95, 0.2, 0.45
 
 
 def projection_figure(plan: CalibrationPlan) -> Figure:
-    """Std of a point's projection in its worst direction, over both images, as far away as poses are chosen for
-    and infinitely far."""
+    """Std of a point's projection in its worst direction, over both images, as far away as poses are
+    chosen for and infinitely far."""
     from rigsim.present.kit import style
 
     camera = plan.asked.rig.left

@@ -11,6 +11,7 @@ import numpy as np
 from rigsim.present.kit.console import make_console, paragraph, print_table
 from rigsim.present.kit.format import MISSING, number, percent, plain
 from rigsim.present.tolerance.words import (
+    calibration_sentence,
     hopeless_sentence,
     informed_sentence,
     interactions_sentence,
@@ -63,6 +64,7 @@ def print_tolerance(result: ToleranceResult, folder: Path | None = None) -> None
         informed_sentence(result),
         rows_sentence(result),
         interactions_sentence(result),
+        calibration_sentence(result),
         motion_sentence(result),
         recalibration_sentence(result),
     ):
@@ -73,8 +75,9 @@ def print_tolerance(result: ToleranceResult, folder: Path | None = None) -> None
 
 
 def _print_built(result: ToleranceResult) -> None:
+    how = "built within tolerance" if result.tolerances.calibration is None else "so calibrated"
     print_table(
-        f"{result.n_rigs} rigs built within tolerance: depth error over the image, mm; rigs with pixel noise",
+        f"{result.n_rigs} rigs {how}: depth error over the image, mm; rigs with pixel noise",
         (
             "distance\nm",
             "noise\nalone",
@@ -138,7 +141,7 @@ def quantity_rows(result: ToleranceResult) -> list[tuple[str, ...]]:
     """Rows of the ranked table, the worst quantity first; depth errors in mm."""
     return [
         (
-            QUANTITIES[item.key],
+            result.tolerances.title(item.key),
             _tolerance(result, item.key, item.tolerance),
             *(number(value) for value in item.depth_rms_mm),
             number(item.common_mm),
@@ -241,7 +244,7 @@ def variance_rows(result: ToleranceResult) -> list[tuple[str, ...]]:
                 percent(sampling) if sampling > 1e-6 else "0",
             )
         source = result.tolerances.source(item.key)
-        rows.append((QUANTITIES[item.key], _share(item.share), *shares, source))
+        rows.append((result.tolerances.title(item.key), _share(item.share), *shares, source))
     return rows
 
 
@@ -290,7 +293,7 @@ def tolerance_figure(result: ToleranceResult) -> Figure:
             color=style.ORANGE,
             label="varies across the image",
         )
-        bars.set_yticks(place, [QUANTITIES[item.key] for item in rows])
+        bars.set_yticks(place, [QUANTITIES.get(item.key, item.key) for item in rows])
         bars.grid(visible=False, axis="y")
         at = f"{plain(result.required.depth_m)} m"
         bars.set_xlabel(f"depth error at {at}, mm")

@@ -8,6 +8,7 @@ import numpy as np
 
 from rigsim.present.kit.format import number, plain
 from rigsim.rig.arrays import Array
+from rigsim.study.tolerance.joint.cause import CALIBRATION
 from rigsim.study.tolerance.places import Places, places
 from rigsim.study.tolerance.run import ToleranceResult
 from rigsim.study.tolerance.sensitivities import QUANTITIES, UNITS
@@ -34,7 +35,7 @@ def places_figure(result: ToleranceResult) -> Figure:
 
     found = places(result)
     panels = [
-        (f"{QUANTITIES[key]}\n{_off_by(result, key)}", found.alone_mm[place])
+        (f"{QUANTITIES.get(key, key)}\n{_off_by(result, key)}", found.alone_mm[place])
         for place, key in enumerate(found.keys)
     ]
     panels.append(("all together\nroot mean square", found.together_mm))
@@ -101,4 +102,6 @@ def _draw(
 
 
 def _off_by(result: ToleranceResult, key: str) -> str:
+    if key == CALIBRATION:
+        return "standard deviation"
     return f"off by {number(result.tolerances.std(key))} {UNITS[key]}".rstrip()

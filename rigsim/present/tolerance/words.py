@@ -12,6 +12,7 @@ from rigsim.present.kit.motion import moves
 from rigsim.rig.arrays import Mask
 from rigsim.rig.motion import Motion
 from rigsim.study.tolerance.inputs import QUANTITIES, UNITS
+from rigsim.study.tolerance.joint.cause import CALIBRATION
 from rigsim.study.tolerance.run import ToleranceResult
 
 
@@ -32,11 +33,15 @@ def interactions_sentence(result: ToleranceResult) -> str:
         )
     worst = sorted(error.noticed, key=lambda place: -error.together[place])
     named = ", ".join(
-        f"{QUANTITIES[found.keys[place]]} ({100 * error.total[place]:.1f} % with others,"
+        f"{_name(found.keys[place])} ({100 * error.total[place]:.1f} % with others,"
         f" {100 * error.first[place]:.1f} % alone)"
         for place in worst[:3]
     )
     return f"Quantities act on one another: {named}. First-order shares leave that out."
+
+
+def _name(key: str) -> str:
+    return QUANTITIES.get(key, key)
 
 
 def hopeless_sentence(result: ToleranceResult) -> str:
@@ -118,12 +123,30 @@ def _breaks_rows_first(result: ToleranceResult) -> str:
     if not found:
         return ""
     named = [
-        f"{QUANTITIES[item.key]} (over {'±' * result.tolerances.is_bound(item.key)}"
-        f"{f'{short(item.needed_for_rows)} {UNITS[item.key]}'.rstrip()}, the class has "
-        f"{short(item.tolerance)})"
+        f"{_name(item.key)} (over {'±' * result.tolerances.is_bound(item.key)}"
+        f"{f'{short(item.needed_for_rows)} {UNITS[item.key]}'.rstrip()}, "
+        + ("which it leaves" if item.key == CALIBRATION else f"the class has {short(item.tolerance)}")
+        + ")"
         for item in found[:2]
     ]
     return f" What breaks them first, alone, is {', then '.join(named)}."
+
+
+def calibration_sentence(result: ToleranceResult) -> str:
+    """What the calibration leaves of a depth, and what it knows nothing of; empty without one."""
+    calibration = result.tolerances.calibration
+    if calibration is None:
+        return ""
+    in_camera, to_boards = (1e3 * value for value in result.calibration_axis_m)
+    says = (
+        f"{calibration.name}: on the left optical axis at {result.required.depth_m:g} m the calibration"
+        f" leaves a standard deviation of {short(in_camera)} mm as the left camera counts depth, which rigs"
+        f" are judged by here, and of {short(to_boards)} mm against its boards. A calibrated rig keeps its"
+        " error, however often it measures."
+    )
+    if result.tolerances.temperature_k:
+        return says
+    return f"{says} It knows nothing of what changes later: --tolerance temperature=5K adds a warmer bar."
 
 
 def recalibration_sentence(result: ToleranceResult) -> str:

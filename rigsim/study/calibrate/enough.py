@@ -12,8 +12,8 @@ NOTICED = 1.05
 
 
 def enough(plan: CalibrationPlan) -> int | None:
-    """The fewest pictures whose calibration adds less than 5 % to the depth std that pixel noise makes, on the
-    axis where poses are chosen for; None where none of the curve's does."""
+    """The fewest pictures whose calibration adds less than 5 % to the depth std that pixel noise makes, on
+    the axis where poses are chosen for; None where none of the curve's does."""
     for point in plan.curve:
         noise_m2 = point.joint_m**2 - point.calibration_m**2
         if noise_m2 > 0 and point.joint_m**2 <= NOTICED**2 * noise_m2:

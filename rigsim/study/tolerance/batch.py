@@ -47,7 +47,7 @@ class RigBatch:
         centers = left_from_right.t + value["baseline_m"][:, None] * along
         centers[:, 1] += value["vertical_m"]
         centers[:, 2] += value["axial_m"]
-        turns = _rotations(np.stack([value["pitch_rad"], value["yaw_rad"], value["roll_rad"]], axis=1))
+        turns = rotations(np.stack([value["pitch_rad"], value["yaw_rad"], value["roll_rad"]], axis=1))
         self.R = (left_from_right.R @ turns).transpose(0, 2, 1)
         self.t = -np.einsum("nij,nj->ni", self.R, centers)
         longer = 1 + value["both_focal_px"][:, None] / rig.left.fx
@@ -57,6 +57,7 @@ class RigBatch:
         self.cx = rig.right.cx + value["right_cx_px"][:, None]
         self.cy = rig.right.cy + value["right_cy_px"][:, None]
         both_k1, right_k1 = value["both_k1"][:, None], value["right_k1"][:, None]
+        self.more_k1 = both_k1, both_k1 + right_k1
         self._d_left, self._k1_left = with_k1(rig.left.lens, both_k1)
         self._d_right, self._k1_right = with_k1(rig.right.lens, both_k1 + right_k1)
         self._distorts_left = rig.left.lens is not None or bool(self._k1_left.any())
@@ -218,7 +219,7 @@ def _squares(values: tuple[Array, ...]) -> Array:
     return total
 
 
-def _rotations(rotvecs: Array) -> Array:
+def rotations(rotvecs: Array) -> Array:
     """Rodrigues' formula for rotation vectors (n, 3) rad: (n, 3, 3)."""
     angle = np.linalg.norm(rotvecs, axis=1)[:, None, None]
     x, y, z = rotvecs.T

@@ -15,6 +15,8 @@ from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.stereo import StereoRig
 from rigsim.statistics import rms
 from rigsim.study.tolerance.batch import PARAMETERS, Rays, RigBatch, read_rays, read_rays_near
+from rigsim.study.tolerance.joint.cause import JointDraw
+from rigsim.study.tolerance.joint.project import project_joint
 from rigsim.study.tolerance.judge import Judge
 from rigsim.study.tolerance.recalibration.compensator import Compensator
 from rigsim.study.tolerance.rows import first_order_rows, rms_px, row_errors_px
@@ -89,22 +91,29 @@ class DepthErrors:
 
 
 def draw(off: Causes, n_rigs: int, rng: np.random.Generator) -> Array:
-    """Deviations (n, q) of built rigs in standard deviations: a Latin hypercube, every margin even."""
-    places = rng.permuted(np.tile(np.arange(n_rigs), (len(off.keys), 1)), axis=1).T
+    """Deviations (n, q) of built rigs in standard deviations: a Latin hypercube, every margin even.
+
+    One column for each independent number of `off`.
+    """
+    places = rng.permuted(np.tile(np.arange(n_rigs), (len(off.even_numbers), 1)), axis=1).T
     return deviates(off, (places + rng.random(places.shape)) / n_rigs)
 
 
 def deviates(off: Causes, turns: Array) -> Array:
     """The deviations (n, q) in standard deviations that have the probabilities `turns` (n, q) below them."""
-    return np.where(off.even, math.sqrt(3) * (2 * turns - 1), ndtri(turns))
+    return np.where(off.even_numbers, math.sqrt(3) * (2 * turns - 1), ndtri(turns))
 
 
-def built_depths(rig: StereoRig, thetas: Array, points: Array) -> tuple[Array, Array, Rays | None]:
-    """Depths (n, m) m that `rig` is taken for reads of `points` (m, 3), when rigs are off by `thetas`.
+def built_depths(
+    rig: StereoRig, thetas: Array, points: Array, together: JointDraw | None = None
+) -> tuple[Array, Array, Rays | None]:
+    """Depths (n, m) m that `rig` is taken for reads of `points` (m, 3), when rigs are off by `thetas`, and by
+    what is off `together`.
 
     Also their pixels (4, n, m) and, for a rig whose lenses distort, the rays that `rig` makes of them.
     """
-    pixels = RigBatch(rig, thetas).project(points)
+    batch = RigBatch(rig, thetas)
+    pixels = batch.project(points) if together is None else project_joint(batch, together, points)
     if rig.left.lens is not None or rig.right.lens is not None:
         read = read_rays_near(rig, pixels, points)
         # `optimal` would iterate; one step differs in the second order of the epipolar error alone
@@ -141,16 +150,16 @@ def depth_errors(
     size = rigs_a_block(len(points))
     for start in range(0, len(built), size):
         block = slice(start, start + size)
-        deviations = built[block] * off.std
-        depth, pixels, read = built_depths(rig, deviations @ off.effect, points)
+        drawn = built[block]
+        depth, pixels, read = built_depths(rig, off.thetas(drawn), points, off.together(drawn))
         rays = read or read_rays(rig, pixels)
         found = [(depth, row_errors_px(assumed, rays))]
-        errors = built[block] @ scaled.T
+        errors = drawn @ scaled.T
         for i, cut in enumerate(cuts):
             linear[i, block] = np.einsum("nm,nm->n", errors[:, cut], errors[:, cut]) / len(points[cut])
             as_seen[i, block] = rms_px(pixels[3, :, cut] - pixels[1, :, cut])
         if compensators:
-            known = deviations * ~off.after_calibration @ off.effect
+            known = drawn * off.std * ~off.after_calibration @ off.effect
             observed = compensators[0].observe(known, rng)
         for compensator in compensators:
             batch = RigBatch(rig, compensator.solve(*observed))

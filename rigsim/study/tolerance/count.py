@@ -10,10 +10,12 @@ import numpy as np
 from scipy.special import betaincinv
 
 from rigsim.rig.arrays import Array, Mask
+from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance.batch import PARAMETERS, Rays, RigBatch, read_rays
 from rigsim.study.tolerance.built import built_depths, draw, rigs_a_block
 from rigsim.study.tolerance.first_order.needed import GOOD
 from rigsim.study.tolerance.inputs import Causes
+from rigsim.study.tolerance.joint.cause import JointDraw
 from rigsim.study.tolerance.judge import Judge, make_judge
 from rigsim.study.tolerance.recalibration.compensator import Compensator
 from rigsim.study.tolerance.recalibration.session import Build, make_compensator
@@ -104,24 +106,39 @@ def count_good(
     found = Count(0, 0)
     for look, size in enumerate(sizes or (AS_BUILT if compensator is None else RECALIBRATED)):
         rng = np.random.default_rng([seed, look])
-        before, late = _drawn(off, known, size, rng)
-        good = _good(build, _Judges(judge, points, rows), before, late, compensator, rng)
+        drawn = _drawn(off, known, size, rng)
+        good = _good(build, _Judges(judge, points, rows), drawn, compensator, rng)
         found = Count(found.good + int(good.sum()), found.rigs + size)
         if found.is_enough is not None and found.standard_error <= COARSEST:
             break
     return found
 
 
-def _drawn(
-    off: Causes, known: Mapping[int, float], n_rigs: int, rng: np.random.Generator
-) -> tuple[Array, Array]:
-    """What rigs are off by (n, 12) before a calibration, and what comes after it."""
-    deviations = draw(off, n_rigs, rng) * off.std
+@dataclass(frozen=True, slots=True, eq=False)
+class _Drawn:
+    """What rigs are off by."""
+
+    before: Array
+    """Before a recalibration (n, 12)."""
+    late: Array
+    """What comes after it (n, 12)."""
+    together: JointDraw | None
+    """What a calibration leaves; None without one."""
+
+    def depths(self, rig: StereoRig, block: slice, points: Array) -> tuple[Array, Array, Rays | None]:
+        """As `built_depths`, of some of them."""
+        together = None if self.together is None else self.together.chosen(block)
+        return built_depths(rig, self.before[block] + self.late[block], points, together)
+
+
+def _drawn(off: Causes, known: Mapping[int, float], n_rigs: int, rng: np.random.Generator) -> _Drawn:
+    numbers = draw(off, n_rigs, rng)
+    deviations = numbers[:, : len(off.keys)] * off.std
     late = deviations * off.after_calibration @ off.effect
     before = deviations * ~off.after_calibration @ off.effect
     for place, left in known.items():
         before[:, place] = left * rng.standard_normal(n_rigs)
-    return before, late
+    return _Drawn(before, late, off.together(numbers))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -146,8 +163,7 @@ class _Judges:
 def _good(
     build: Build,
     judges: _Judges,
-    before: Array,
-    late: Array,
+    drawn: _Drawn,
     compensator: Compensator | None,
     rng: np.random.Generator,
 ) -> Mask:
@@ -155,12 +171,12 @@ def _good(
     size = rigs_a_block(len(points))
     batch = RigBatch(rig, np.zeros((1, len(PARAMETERS))))
     parts = []
-    for start in range(0, len(before), size):
+    for start in range(0, len(drawn.before), size):
         block = slice(start, start + size)
-        depths, pixels, read = built_depths(rig, before[block] + late[block], points)
+        depths, pixels, read = drawn.depths(rig, block, points)
         rays = read or read_rays(rig, pixels)
         if compensator is not None:
-            batch = RigBatch(rig, compensator.solve(*compensator.observe(before[block], rng)))
+            batch = RigBatch(rig, compensator.solve(*compensator.observe(drawn.before[block], rng)))
             rays = batch.rays(pixels, rays)
             depths = batch.triangulate(rays)[2]
         parts.append(judges.are_good(depths, batch, rays))

@@ -16,6 +16,7 @@ from rigsim.rig.lens.distortion import are_brown
 from rigsim.rig.motion import MOVING
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance.batch import PARAMETERS
+from rigsim.study.tolerance.joint.cause import CALIBRATION, CalibrationTolerance, JointCause, JointDraw
 
 DISTRIBUTIONS = ("normal", "uniform")
 """normal: a tolerance is one standard deviation. uniform: it is a bound, +-."""
@@ -48,9 +49,10 @@ QUANTITIES: Mapping[str, str] = MappingProxyType(
 )
 """What may be off, with its name for people; the unit is the end of the key."""
 UNITS: Mapping[str, str] = MappingProxyType(
-    {key: key.rpartition("_")[2].replace("k1", "") for key in QUANTITIES} | {"temperature_k": "K"}
+    {key: key.rpartition("_")[2].replace("k1", "") for key in QUANTITIES}
+    | {"temperature_k": "K", CALIBRATION: "×"}
 )
-"""Unit of each quantity."""
+"""Unit of each quantity; of a calibration as a whole: so many times what it leaves."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +101,8 @@ class Tolerances:
     """Keys whose tolerance is a bound even when the others are standard deviations."""
     sources: tuple[tuple[str, str], ...] = ()
     """Key and source of tolerances that were not given but taken from a class."""
+    calibration: CalibrationTolerance | None = None
+    """What a calibration leaves, all of its parameters together; beside the quantities above."""
 
     def __post_init__(self) -> None:
         if self.distribution not in DISTRIBUTIONS:
@@ -118,15 +122,25 @@ class Tolerances:
 
     def is_bound(self, key: str) -> bool:
         """Whether the tolerance of `key` is a bound."""
-        return self.distribution == "uniform" or key in self.bounds
+        return key != CALIBRATION and (self.distribution == "uniform" or key in self.bounds)
+
+    def title(self, key: str) -> str:
+        """The name of the quantity `key` for people."""
+        if key == CALIBRATION and self.calibration is not None:
+            return f"{CALIBRATION} ({self.calibration.name})"
+        return QUANTITIES[key]
 
     def std(self, key: str) -> float:
         """Standard deviation of the quantity `key`, in its unit; evenly within a bound."""
+        if key == CALIBRATION:
+            return 1.0
         value = float(getattr(self, key))
         return value / math.sqrt(3) if self.is_bound(key) else value
 
     def source(self, key: str) -> str:
         """Where the tolerance of `key` comes from."""
+        if key == CALIBRATION and self.calibration is not None:
+            return self.calibration.source
         return dict(self.sources).get(key, GIVEN)
 
 
@@ -181,6 +195,44 @@ class Causes:
     """Change (q, p) of `PARAMETERS` per unit of each."""
     after_calibration: Mask
     """Which (q,) come after a calibration."""
+    joint: JointCause | None = None
+    """What a calibration leaves, whose parameters are off together; the last of the causes."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Keys of all causes (c,)."""
+        return self.keys if self.joint is None else (*self.keys, CALIBRATION)
+
+    @property
+    def amounts(self) -> Array:
+        """Their tolerances (c,): `values`, and once what a calibration leaves."""
+        return self.values if self.joint is None else np.append(self.values, 1.0)
+
+    @property
+    def groups(self) -> tuple[slice, ...]:
+        """Which independent numbers each cause is drawn by: one, or a calibration's r."""
+        count = len(self.keys)
+        own = tuple(slice(place, place + 1) for place in range(count))
+        return own if self.joint is None else (*own, slice(count, count + len(self.joint.factor)))
+
+    @property
+    def even_numbers(self) -> Mask:
+        """Which of the independent numbers lie evenly within a bound; the others are normal."""
+        if self.joint is None:
+            return self.even
+        return np.append(self.even, np.zeros(len(self.joint.factor), dtype=bool))
+
+    def summed(self, per_number: Array) -> Array:
+        """Sums (c,) over the independent numbers of each cause."""
+        return np.array([per_number[group].sum() for group in self.groups])
+
+    def thetas(self, deviations: Array) -> Array:
+        """Changes (n, p) of `PARAMETERS` of rigs by their independent numbers, in standard deviations."""
+        return np.asarray(deviations[:, : len(self.keys)] * self.std @ self.effect)
+
+    def together(self, deviations: Array) -> JointDraw | None:
+        """What a calibration leaves of the same rigs; None without one."""
+        return None if self.joint is None else self.joint.drawn(deviations[:, len(self.keys) :])
 
 
 def causes(rig: StereoRig, tolerances: Tolerances) -> Causes:
@@ -196,15 +248,17 @@ def causes(rig: StereoRig, tolerances: Tolerances) -> Causes:
             if key.endswith("k1") and lens is not None and not are_brown(lens):
                 what = f"tolerance of {QUANTITIES[key]} {getattr(tolerances, key):g}"
                 raise InvalidRig(f"{what}: is of Brown-Conrady lenses, one is a {lens.model}: leave it out")
-    if not keys:
+    calibration = tolerances.calibration
+    if not keys and calibration is None:
         raise InvalidRange("tolerances: all are 0; give a class or at least one tolerance > 0")
     return Causes(
         keys,
         np.array([getattr(tolerances, key) for key in keys], dtype=np.float64),
-        np.array([tolerances.std(key) for key in keys]),
-        np.array([tolerances.is_bound(key) for key in keys]),
-        np.array([_effect(rig, tolerances, key) for key in keys]),
-        np.array([key in ("time_offset_ms", "temperature_k") for key in keys]),
+        np.array([tolerances.std(key) for key in keys], dtype=np.float64),
+        np.array([tolerances.is_bound(key) for key in keys], dtype=bool),
+        np.array([_effect(rig, tolerances, key) for key in keys]).reshape(-1, len(PARAMETERS)),
+        np.array([key in ("time_offset_ms", "temperature_k") for key in keys], dtype=bool),
+        None if calibration is None else calibration.cause(rig),
     )
 
 

@@ -24,7 +24,8 @@ class Places:
     keys: tuple[str, ...]
     """The worst quantities, the worst first."""
     alone_mm: Array
-    """Depth error (q, m, n) when each is off by its standard deviation, mm; signed."""
+    """Depth error (q, m, n) when each is off by its standard deviation, mm; signed. Of a calibration, whose
+    parameters are off together: its standard deviation."""
     together_mm: Array
     """Root mean square over rigs (m, n) of all quantities together, mm."""
 
@@ -41,14 +42,19 @@ def places(result: ToleranceResult, most: int = 5) -> Places:
     points = on_plane(rig, uv, np.full(len(uv), z))
     seen = np.asarray(np.isfinite(points).all(axis=1))
     seen[seen] = rig.right.contains(rig.project(points[seen])[1])
-    errors_mm = np.full((len(uv), len(off.keys)), np.nan)
+    errors_mm = np.full((len(uv), len(off.even_numbers)), np.nan)
     errors_mm[seen] = 1e3 * first_order(rig, off, points[seen])
     keys = tuple(item.key for item in result.sensitivities if item.share > 1e-12)[:most]
-    chosen = errors_mm[:, [off.keys.index(key) for key in keys]]
+    chosen = np.array([_alone(errors_mm[:, off.groups[off.names.index(key)]]) for key in keys])
     return Places(
         u,
         v,
         keys,
-        chosen.T.reshape(len(keys), rows, _COLUMNS),
+        chosen.reshape(len(keys), rows, _COLUMNS),
         np.sqrt((errors_mm**2).sum(axis=1)).reshape(rows, _COLUMNS),
     )
+
+
+def _alone(errors: Array) -> Array:
+    """The error (m,) of one quantity by those (m, r) of its independent numbers."""
+    return errors[:, 0] if errors.shape[1] == 1 else np.sqrt((errors**2).sum(axis=1))

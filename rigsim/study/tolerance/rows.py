@@ -17,7 +17,7 @@ from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.tolerance.batch import PARAMETERS, Rays, RigBatch
 from rigsim.study.tolerance.inputs import Causes
-from rigsim.theory.rows import row_axes, row_sensitivity
+from rigsim.theory.rows import row_axes, row_gain, row_sensitivity
 
 _OF_LEFT = ("left_focal_px", "left_cx_px", "left_cy_px")
 
@@ -28,7 +28,7 @@ def row_slopes(rig: StereoRig, points: Array, off: Causes) -> Array:
 
 
 def first_order_rows(rig: StereoRig, off: Causes, points: Array) -> Array:
-    """Row misalignment (m, q) px of each quantity, off by one standard deviation."""
+    """Row misalignment (m, q) px of each independent number of what is off, by one standard deviation."""
     of_all = row_sensitivity(rig, points)
     found = _slopes_of(of_all, off) @ off.effect.T
     # `Causes` takes the left lens's errors for the right one's, as they are to a depth; to rows they are so
@@ -36,7 +36,11 @@ def first_order_rows(rig: StereoRig, off: Causes, points: Array) -> Array:
     for place, key in enumerate(off.keys):
         if key in _OF_LEFT:
             found[:, place] = of_all[key]
-    return np.asarray(found * off.std)
+    found = found * off.std
+    if off.joint is None:
+        return np.asarray(found)
+    of_joint = np.einsum("mi,mir->mr", row_gain(rig, points), off.joint.pixel_moves(rig, points))
+    return np.hstack([found, of_joint])
 
 
 def _slopes_of(of_all: Mapping[str, Array], off: Causes) -> Array:

@@ -88,6 +88,17 @@ class ToleranceResult:
         return np.asarray(np.max(known, axis=0)) if known else None
 
     @property
+    def calibration_axis_m(self) -> tuple[float, float]:
+        """Standard deviation, m, of a depth on the left axis at the judged distance that a calibration
+        leaves: as the left camera counts it, and against its boards; NaN without one."""
+        calibration = self.tolerances.calibration
+        if calibration is None:
+            return math.nan, math.nan
+        point = [[0.0, 0.0, self.required.depth_m]]
+        in_camera = calibration.covariance.depth_std(point, from_camera=True)
+        return float(in_camera[0]), float(calibration.covariance.depth_std(point)[0])
+
+    @property
     def yield_before(self) -> float:
         """Share of rigs that meet the requirement as built, with pixel noise."""
         return float(self.judged.built.good.mean())

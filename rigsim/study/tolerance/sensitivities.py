@@ -72,7 +72,8 @@ class Sensitivity:
     depth_rms_mm: tuple[float, ...]
     """Root mean square over the image at each depth."""
     common_mm: float
-    """What the whole image shares at the judged depth; the sign is the depth error's when positive."""
+    """What the whole image shares at the judged depth; the sign is the depth error's when positive. Of a
+    calibration, whose parameters are off together: its standard deviation."""
     differing_mm: float
     """Standard deviation over the image of the rest."""
     share: float
@@ -108,24 +109,24 @@ def sensitivities(
     pixel coordinate takes its part of what is required.
     """
     per_plane = {depth: first_order(rig, off, points) for depth, points in planes.items()}
-    rms = {depth: np.sqrt((errors**2).mean(axis=0)) for depth, errors in per_plane.items()}
+    rms = {depth: np.sqrt(off.summed((errors**2).mean(axis=0))) for depth, errors in per_plane.items()}
     judged, judged_rms = per_plane[required.depth_m], rms[required.depth_m]
     shares = judged_rms**2 / (judged_rms**2).sum()
     rows = {depth: first_order_rows(rig, off, points) for depth, points in planes.items()}
-    row_rms = {depth: rms_px(errors.T) for depth, errors in rows.items()}
+    row_rms = {depth: np.sqrt(off.summed(rms_px(errors.T) ** 2)) for depth, errors in rows.items()}
     largest = np.max(list(row_rms.values()), axis=0)
     judge = make_judge(rig, planes[required.depth_m], required, noise_px)
-    held = HeldTo(judged, off.even, judge, tuple(rows.values()))
-    alone = needed_alone(held) * off.values
-    together = needed_at_equal_shares(held) * off.values
-    for_rows = needed_for_rows(held) * off.values
+    held = HeldTo(judged, off.even_numbers, judge, tuple(rows.values()), off.groups)
+    alone, together, for_rows = (
+        factors(held) * off.amounts for factors in (needed_alone, needed_at_equal_shares, needed_for_rows)
+    )
     found = [
         Sensitivity(
             key=key,
-            tolerance=float(off.values[i]),
+            tolerance=float(off.amounts[i]),
             depth_rms_mm=tuple(float(values[i]) * 1e3 for values in rms.values()),
-            common_mm=float(judged[:, i].mean()) * 1e3,
-            differing_mm=float(judged[:, i].std()) * 1e3,
+            common_mm=_common(judged[:, group]) * 1e3,
+            differing_mm=math.sqrt(float(judged[:, group].var(axis=0).sum())) * 1e3,
             share=float(shares[i]),
             row_px=float(row_rms[required.depth_m][i]),
             row_largest_px=float(largest[i]),
@@ -133,14 +134,24 @@ def sensitivities(
             needed_equal_share=float(together[i]),
             needed_for_rows=float(for_rows[i]),
         )
-        for i, key in enumerate(off.keys)
+        for i, (key, group) in enumerate(zip(off.names, off.groups, strict=True))
     ]
     return sorted(found, key=lambda item: -item.share)
 
 
+def _common(errors: Array) -> float:
+    """What the image shares of errors (m, r) of r independent numbers: with its sign where it is one."""
+    means = errors.mean(axis=0)
+    return float(means[0]) if len(means) == 1 else math.sqrt(float((means**2).sum()))
+
+
 def first_order(rig: StereoRig, off: Causes, points: Array) -> Array:
-    """Depth error (m, q) m of each quantity, off by one standard deviation."""
-    return np.asarray(depth_slopes(rig, points, off) @ off.effect.T * off.std)
+    """Depth error (m, q) m of each independent number of what is off, by one standard deviation."""
+    found = np.asarray(depth_slopes(rig, points, off) @ off.effect.T * off.std)
+    if off.joint is None:
+        return found
+    gain, moves = pixel_gain(rig, points)[:, 2], off.joint.pixel_moves(rig, points)
+    return np.hstack([found, np.einsum("mi,mir->mr", gain, moves)])
 
 
 def depth_slopes(rig: StereoRig, points: Array, off: Causes) -> Array:

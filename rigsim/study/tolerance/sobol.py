@@ -10,7 +10,7 @@ are the means of theirs weighted by variance (Gamboa et al., Electron. J. Stat. 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,7 +63,7 @@ class Interactions:
     """Sobol indices of a built rig's depth error at the judged depth."""
 
     keys: tuple[str, ...]
-    """The quantities, as in `Causes`."""
+    """The quantities, as `Causes.names`."""
     error: SobolIndices
     """Of the error at every point of the image: the variance is the mean squared error but for its mean."""
     bias: SobolIndices | None
@@ -89,45 +89,50 @@ def interactions(rig: StereoRig, off: Causes, points: Array, rng: np.random.Gene
         size = rigs_a_block(len(points))
         for start in range(0, len(deviations), size):
             block = slice(start, start + size)
-            depths, _, _ = built_depths(rig, deviations[block] * off.std @ off.effect, points)
+            drawn = deviations[block]
+            depths, _, _ = built_depths(rig, off.thetas(drawn), points, off.together(drawn))
             errors = depths - points[:, 2]
             # what moves no depth leaves rounding, which has no variance to share out
             found[block, :-1] = np.where(np.abs(errors) < _ROUNDING * points[:, 2], 0.0, errors)
         found[:, -1] = found[:, :-1].mean(axis=1)
         return found
 
-    read = estimate(errors_m, lambda turns: deviates(off, turns), len(off.keys), rng)
+    read = estimate(errors_m, lambda turns: deviates(off, turns), off.groups, rng)
     if read is None:
         return None
     per_output, variance = read
     error = combine(per_output[..., :-1], variance[:, :-1])
     if error is None:
         return None
-    rigs = SHIFTS * (len(off.keys) + 2) << LOG2_SAMPLES
-    return Interactions(off.keys, error, combine(per_output[..., -1:], variance[:, -1:]), rigs)
+    rigs = SHIFTS * (len(off.names) + 2) << LOG2_SAMPLES
+    return Interactions(off.names, error, combine(per_output[..., -1:], variance[:, -1:]), rigs)
 
 
 def estimate(
     model: Callable[[Array], Array],
     deviates_of: Callable[[Array], Array],
-    quantities: int,
+    groups: int | Sequence[slice],
     rng: np.random.Generator,
 ) -> tuple[Array, Array] | None:
     """First and total indices (2, q, s, m) and variances (s, m) of `model`, for each shift and output.
 
-    `model` makes outputs (n, m) of deviations (n, q), and `deviates_of` those of even numbers in (0, 1).
-    None when an output is not finite.
+    `model` makes outputs (n, m) of deviations (n, k), and `deviates_of` those of even numbers in (0, 1).
+    `groups` are the columns of each of q quantities; as many quantities of one column each where it is a
+    number. None when an output is not finite.
     """
-    even = qmc.Sobol(2 * quantities, scramble=False).random_base2(LOG2_SAMPLES)
+    if isinstance(groups, int):
+        groups = [slice(place, place + 1) for place in range(groups)]
+    quantities, numbers = len(groups), groups[-1].stop
+    even = qmc.Sobol(2 * numbers, scramble=False).random_base2(LOG2_SAMPLES)
     found: list[Array] = []
     variances: list[Array] = []
     for _ in range(SHIFTS):
-        turns = np.clip((even + rng.random(2 * quantities)) % 1, _EDGE, 1 - _EDGE)
-        one, other = deviates_of(turns[:, :quantities]), deviates_of(turns[:, quantities:])
+        turns = np.clip((even + rng.random(2 * numbers)) % 1, _EDGE, 1 - _EDGE)
+        one, other = deviates_of(turns[:, :numbers]), deviates_of(turns[:, numbers:])
         swapped = np.repeat(one[None], quantities, axis=0)
-        for place in range(quantities):
-            swapped[place, :, place] = other[:, place]
-        outputs = model(np.concatenate([one, other, swapped.reshape(-1, quantities)]))
+        for place, columns in enumerate(groups):
+            swapped[place][:, columns] = other[:, columns]
+        outputs = model(np.concatenate([one, other, swapped.reshape(-1, numbers)]))
         if not np.isfinite(outputs).all():
             return None
         parts = outputs.reshape(quantities + 2, len(even), -1).transpose(0, 2, 1)

@@ -211,11 +211,16 @@ def point_moves(rig: StereoRig, parameters: RigParameters, points_left: npt.Arra
     To first order: the pixels stay, so the point moves by ``-(J^T J)^-1 J^T`` of what its pixels would.
     """
     points = given.points(points_left)
-    gain = pixel_gain(rig, points)
+    return np.asarray(-pixel_gain(rig, points) @ pixel_slopes(rig, parameters, points))
+
+
+def pixel_slopes(rig: StereoRig, parameters: RigParameters, points: Array) -> Array:
+    """Move (N, 4, p) px of (u_left, v_left, u_right, v_right) of points (N, 3) m per unit of each
+    parameter."""
     pixels = np.zeros((len(points), 4, len(parameters.names)))
     turned = points @ rig.right_from_left.R.T
     points_right = turned + rig.right_from_left.t
     pixels[:, :2, parameters.columns(0)] = parameters.camera_slopes(rig, 0, points)
     pixels[:, 2:, parameters.columns(1)] = parameters.camera_slopes(rig, 1, points_right)
     pixels[:, 2:, parameters.pose] = rig.right.jacobian(points_right) @ rigid_moves(turned)
-    return np.asarray(-gain @ pixels)
+    return pixels

@@ -17,6 +17,8 @@ from rigsim.interop.documents.calibrate.plan_models import (
     PlanDepth,
     PlanDepthPlace,
     PlanDocument,
+    PlanDrift,
+    PlanDriftDepth,
     PlanInseparable,
     PlanNext,
     PlanParameter,
@@ -32,6 +34,7 @@ from rigsim.interop.documents.text import clean
 from rigsim.rig.remark import Remark
 from rigsim.study.agreement.agreement import Agreement
 from rigsim.study.calibrate.depths import DepthStd
+from rigsim.study.calibrate.drift import Drift, drift
 from rigsim.study.calibrate.enough import enough
 from rigsim.study.calibrate.estimated import estimates
 from rigsim.study.calibrate.holding import Holding, holdings
@@ -120,6 +123,7 @@ def plan_document(plan: CalibrationPlan, says: PlanSays, told: PlanTold) -> dict
         ],
         projection=_projections(plan),
         witnesses=[_witness(one, says) for one in told.witnesses],
+        drift=[_drift(one) for one in drift(asked.rig, asked.at_m)],
         covariance=covariance_part(plan.covariance, covariance_source(plan)),
         remarks=[RemarkPart(code=remark.code, text=remark.text) for remark in told.remarks],
         written=told.written,
@@ -219,6 +223,22 @@ def _projections(plan: CalibrationPlan) -> list[PlanProjection]:
                 )
             )
     return found
+
+
+def _drift(one: Drift) -> PlanDrift:
+    depths = [
+        PlanDriftDepth(z_m=z_m, axis_mm=axis_m * 1e3, image_mm=finite(image_m * 1e3))
+        for z_m, axis_m, image_m in zip(one.z_m, one.axis_m, one.image_m, strict=True)
+    ]
+    return PlanDrift.model_validate(
+        {
+            "cause": one.cause,
+            "amount": one.amount,
+            "unit": one.unit,
+            "source": one.source,
+            "depths": depths,
+        }
+    )
 
 
 def _witness(one: CalibrationWitness, says: PlanSays) -> PlanWitness:

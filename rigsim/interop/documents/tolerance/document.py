@@ -10,6 +10,7 @@ from rigsim.interop.documents.tolerance.models import (
     Depth,
     Interactions,
     Motion,
+    OfCalibration,
     Quantity,
     Recalibration,
     Required,
@@ -34,6 +35,9 @@ class Words(Protocol):
 
     def rows_sentence(self, result: ToleranceResult) -> str:
         """How far apart rows are, as built and after recalibration."""
+
+    def calibration_sentence(self, result: ToleranceResult) -> str:
+        """What the calibration leaves of the depth; empty without one."""
 
     def recalibration_sentence(self, result: ToleranceResult) -> str:
         """What the recalibration has to work with; empty without one."""
@@ -70,6 +74,7 @@ def tolerance_document(
             says=words.interactions_sentence(result),
         ),
         recalibration=_recalibration(result, words),
+        calibration=_calibration(result, words),
         depths=[_depth(item) for item in result.depths],
         motion=_motion(result.tolerances),
         remarks=[RemarkPart(code=remark.code, text=remark.text) for remark in remarks],
@@ -141,6 +146,20 @@ def _recalibration(result: ToleranceResult, words: Words) -> Recalibration | Non
         known_lengths_mm=[length_m * 1e3 for length_m in result.known_lengths_m],
         length_std_mm=session.length_std_mm,
         says=words.recalibration_sentence(result),
+    )
+
+
+def _calibration(result: ToleranceResult, words: Words) -> OfCalibration | None:
+    calibration = result.tolerances.calibration
+    if calibration is None:
+        return None
+    in_camera, to_boards = (1e3 * value for value in result.calibration_axis_m)
+    return OfCalibration(
+        file=calibration.name,
+        source=calibration.source,
+        in_camera_mm=in_camera,
+        against_boards_mm=to_boards,
+        says=words.calibration_sentence(result),
     )
 
 

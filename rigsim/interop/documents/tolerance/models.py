@@ -120,6 +120,22 @@ class Recalibration(Part):
     """The same in words."""
 
 
+class OfCalibration(Part):
+    """What a calibration leaves, all of its parameters together."""
+
+    file: str
+    """The file's name."""
+    source: str
+    """What it comes from."""
+    in_camera_mm: float
+    """Standard deviation of the depth that it leaves on the left axis at the required distance, mm, as the
+    left camera counts depth: what rigs are judged by."""
+    against_boards_mm: float
+    """The same against the calibration's boards, mm: where the left lens's centre lies does not count."""
+    says: str
+    """The same in words."""
+
+
 class Depth(Part):
     """The built rigs at one distance."""
 
@@ -200,6 +216,8 @@ class ToleranceDocument(Part):
     interactions: Interactions
     recalibration: Recalibration | None
     """Null without recalibration."""
+    calibration: OfCalibration | None
+    """Null where a class of tolerances is taken, and no calibration's covariance."""
     depths: list[Depth]
     """Near to far."""
     motion: Motion | None

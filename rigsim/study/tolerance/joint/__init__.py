@@ -1,0 +1,1 @@
+"""What of a rig is off together: all that one calibration found."""
