@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -107,7 +109,9 @@ def bent(found: Sightings) -> Array:
 
 
 @pytest.mark.parametrize(("spoil", "reason"), [(moved, "moved"), (hidden, "hidden"), (bent, "bent")])
-def test_a_bad_picture_is_left_out_and_the_reason_told(spoil, reason: str) -> None:
+def test_a_bad_picture_is_left_out_and_the_reason_told(
+    spoil: Callable[[Sightings], Array], reason: str
+) -> None:
     found = sightings(10, 0.1)
     result = calibrated(changed(found, spoil(found)))
     bad = result.pictures[3]
@@ -296,6 +300,6 @@ def test_outliers_are_few_or_the_rig_is_wrong() -> None:
         ({"at_m": (0.0,)}, "depth"),
     ],
 )
-def test_what_cannot_be_asked_is_one_line(words: dict[str, object], says: str) -> None:
+def test_what_cannot_be_asked_is_one_line(words: dict[str, Any], says: str) -> None:
     with pytest.raises(InvalidRange, match=says):
         replace(ASKED, **words)

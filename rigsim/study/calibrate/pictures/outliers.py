@@ -27,7 +27,8 @@ SUSPECT = 1.5
 _MOST_LEFT_OUT = 1 / 3
 """Of the pairs: where more do not fit, it is the rig or the board that is wrong."""
 _LEAST_KEPT = 3
-_MOVED = 2.0
+_MOVED = 1.5
+"""What both cameras together are off over what either alone is, where the board moved between the shots."""
 _FEW_CORNERS = 0.1
 _THEIR_SHARE = 0.7
 _BLURRED = 2.0
@@ -104,7 +105,8 @@ def why(check: HeldOut, sightings: Sightings, pair: int) -> Reason:
     """Why a pair is not as the others predict."""
     fit = check.fit
     alone = [alone_rms(fit, sightings, pair, side, check.pose) for side in (0, 1)]
-    if max(alone) < _MOVED * fit.noise_px:
+    together = distance_rms(check.residuals) / np.sqrt(2)
+    if max(alone) < together / _MOVED:
         return "moved"
     squares = np.sum(check.residuals**2, axis=-1).ravel()
     squares = np.sort(squares[np.isfinite(squares)])[::-1]
@@ -118,8 +120,6 @@ def why(check: HeldOut, sightings: Sightings, pair: int) -> Reason:
             return "blurred"
     if distance_rms(_flattened(check, sightings, pair)) < _BENT_LEFT * distance_rms(check.residuals):
         return "bent"
-    if max(alone) < distance_rms(check.residuals) / np.sqrt(2) / _MOVED:
-        return "moved"
     return "unexplained"
 
 
