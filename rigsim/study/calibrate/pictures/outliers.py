@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from rigsim.pixels.calibration.camera import board_pose
 from rigsim.pixels.calibration.stereo import FoundRig
@@ -24,6 +25,8 @@ LIMIT = 2.0
 """A picture whose residual is so many times what the others predict is none of theirs."""
 SUSPECT = 1.5
 """One whose residual is more than so many times that counts, and is named."""
+LEAST_OFF_PX = 0.05
+"""Of one coordinate: pictures whose corners are no farther off are fine, however much sharper others are."""
 _MOST_LEFT_OUT = 1 / 3
 """Of the pairs: where more do not fit, it is the rig or the board that is wrong."""
 _LEAST_KEPT = 3
@@ -73,9 +76,10 @@ def sort_out(ordered: Ordered, parameters: RigParameters, fix: Sequence[str]) ->
     fit, opencv = fit_rig(sightings.chosen(kept), parameters, fix)
     while True:
         ratios = ratios_at_once(fit)
-        if not (ratios > LIMIT).any() or kept.sum() <= least:
+        bad = stands_out(ratios, fit.picture_rms_px, LIMIT)
+        if not bad.any() or kept.sum() <= least:
             break
-        worst = int(np.nanargmax(ratios))
+        worst = int(np.argmax(np.where(bad, ratios, 0.0)))
         kept[np.flatnonzero(kept)[worst]] = False
         fit = without(fit, worst)
     if kept.sum() < found.sum():
@@ -92,13 +96,20 @@ def _told(ordered: Ordered, fit: Fit, opencv: FoundRig, kept: Mask, kept_ratios:
     ratios[kept], rms_px[kept] = kept_ratios, fit.picture_rms_px
     reasons: list[Reason] = [""] * n
     for place, k in enumerate(np.flatnonzero(kept).tolist()):
-        if ratios[k] > SUSPECT:
+        if stands_out(ratios[k], rms_px[k], SUSPECT):
             reasons[k] = why(held_out(fit, place), sightings, k)
     for k in np.flatnonzero(sightings.cameras.any(axis=1) & ~kept).tolist():
         check = predicted(fit, sightings, k, _start(sightings, fit, k))
         ratios[k], rms_px[k] = check.ratio, distance_rms(check.residuals)
         reasons[k] = why(check, sightings, k) if ordered.agrees[k] else "mixed_up"
     return Sorted(fit, opencv, kept, ratios, rms_px, tuple(reasons))
+
+
+def stands_out(ratios: npt.ArrayLike, rms_px: npt.ArrayLike, limit: float) -> Mask:
+    """Which pairs are so many times as far off as the others predict, and by more than any board is true
+    to."""
+    least = LEAST_OFF_PX * np.sqrt(2)
+    return np.asarray((np.asarray(ratios) > limit) & (np.asarray(rms_px) > least))
 
 
 def why(check: HeldOut, sightings: Sightings, pair: int) -> Reason:

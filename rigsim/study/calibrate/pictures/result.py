@@ -16,7 +16,7 @@ from rigsim.study.calibrate.depths import DepthStd
 from rigsim.study.calibrate.pictures.asked import PicturesAsked
 from rigsim.study.calibrate.pictures.coverage import Coverage
 from rigsim.study.calibrate.pictures.fit import Fit
-from rigsim.study.calibrate.pictures.outliers import Reason
+from rigsim.study.calibrate.pictures.outliers import LEAST_OFF_PX, Reason
 from rigsim.study.calibrate.pictures.pairs import PicturePair
 from rigsim.study.calibrate.pictures.sightings import Sightings
 from rigsim.study.calibrate.plan.result import NextPose
@@ -120,11 +120,11 @@ class CalibratedPictures:
     @property
     def verdict(self) -> Literal["agrees", "flagged", "untold"]:
         """Whether the pictures predict one another: flagged where one is left out as an outlier, or where all
-        together are off by a quarter; untold of fewer than three."""
+        together are off by a quarter, and by more than any board is true to; untold of fewer than three."""
         ratio = self.ratio
         if not np.isfinite(ratio) or int(self.kept.sum()) < _LEAST_TOLD:
             return "untold"
-        fits = 1 / _MOST_RATIO < ratio < _MOST_RATIO
+        fits = 1 / _MOST_RATIO < ratio < _MOST_RATIO or self.fit.noise_px < LEAST_OFF_PX
         return "agrees" if fits and all(each.verdict != "outlier" for each in self.pictures) else "flagged"
 
     @property

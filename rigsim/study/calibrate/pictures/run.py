@@ -18,7 +18,7 @@ from rigsim.study.calibrate.pictures.fit import Fit, adjusted_from, both_sides
 from rigsim.study.calibrate.pictures.following import following
 from rigsim.study.calibrate.pictures.look import Looked, Seen
 from rigsim.study.calibrate.pictures.order import agreed_order
-from rigsim.study.calibrate.pictures.outliers import SUSPECT, Sorted, sort_out
+from rigsim.study.calibrate.pictures.outliers import SUSPECT, Sorted, sort_out, stands_out
 from rigsim.study.calibrate.pictures.remarks import remarks_of
 from rigsim.study.calibrate.pictures.result import (
     CalibratedPictures,
@@ -180,15 +180,16 @@ def _checks(
             checks.append(PictureCheck(name, verdict, "", count, np.nan, np.nan))
             continue
         ratio = float(found.ratios[j])
-        verdict = _verdict(bool(found.kept[j]), bool(corners.all()), ratio)
+        suspect = bool(stands_out(ratio, found.rms_px[j], SUSPECT))
+        verdict = _verdict(bool(found.kept[j]), bool(corners.all()), suspect)
         checks.append(PictureCheck(name, verdict, found.reasons[j], count, float(found.rms_px[j]), ratio))
     return tuple(checks)
 
 
-def _verdict(kept: bool, both: bool, ratio: float) -> PictureVerdict:
+def _verdict(kept: bool, both: bool, suspect: bool) -> PictureVerdict:
     if not kept:
         return "outlier"
-    if ratio > SUSPECT:
+    if suspect:
         return "suspect"
     return "good" if both else "one_camera"
 
