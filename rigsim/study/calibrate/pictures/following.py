@@ -42,4 +42,7 @@ def following(asked: PicturesAsked, fit: Fit) -> NextPose | None:
         terms = depth_terms(plan, reached, plan.chosen_for_m)
     except (InvalidRange, CalibrationUndetermined):
         return None
-    return next_pose(Places.of(plan, terms, reached, len(held)), list(range(len(held))))
+    places, picks = Places.of(plan, terms, reached, len(held)), list(range(len(held)))
+    if not np.isfinite(places.stds(picks)[-1]):
+        return None
+    return next_pose(places, picks)
