@@ -9,7 +9,7 @@ from rigsim.present.kit.format import fixed, length, number, plain, ratio, with_
 from rigsim.study.agreement.agreement import Agreement
 from rigsim.study.calibrate.witness.result import CalibrationWitness, WitnessedDepth
 
-WITNESS_TITLE = "Depth std from calibration on the axis, mm: predicted, and over whole calibrations"
+WITNESS_TITLE = "Depth std from calibration, on the axis, mm: predicted for the corners met, and found"
 WITNESS_HEADS = (
     "witness",
     "distance\nm",
