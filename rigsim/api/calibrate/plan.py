@@ -203,8 +203,9 @@ def plan_calibration(options: PlanOptions) -> PlannedCalibration:
 
     rig, board = read_rig(options.rig), as_board(options.board)
     asked, odd = _asked(options, rig, board)
+    true_rig = _true_rig(options, asked, rig) if options.simulate or options.measure else None
     plan = run_plan(asked)
-    witnesses = _witnesses(options, plan, rig)
+    witnesses = _witnesses(options, plan, true_rig)
     wanted = [count for count in (options.simulate, options.measure) if count]
     complete = [one.calibrations for one in witnesses] == wanted
     return PlannedCalibration(plan, witnesses, options.command, (*odd, *plan.remarks), complete)
@@ -293,7 +294,9 @@ def _two(values: object, name: str, wanted: str) -> tuple[float, float]:
     return ends[0], ends[1]
 
 
-def _witnesses(options: PlanOptions, plan: CalibrationPlan, rig: StereoRig) -> tuple[CalibrationWitness, ...]:
+def _witnesses(
+    options: PlanOptions, plan: CalibrationPlan, true_rig: StereoRig | None
+) -> tuple[CalibrationWitness, ...]:
     """Whole calibrations, where they were asked for."""
     if not (options.simulate or options.measure):
         return ()
@@ -303,26 +306,35 @@ def _witnesses(options: PlanOptions, plan: CalibrationPlan, rig: StereoRig) -> t
         plan,
         simulated=_count(options.simulate, "simulate"),
         measured=_count(options.measure, "measure"),
-        true_rig=_true_rig(options, plan, rig),
+        true_rig=true_rig,
         true_board=_true_board(options.true_warp_mm, plan.asked.board),
         progress=options.progress,
     )
 
 
-def _true_rig(options: PlanOptions, plan: CalibrationPlan, rig: StereoRig) -> StereoRig | None:
+def _true_rig(options: PlanOptions, asked: PlanAsked, rig: StereoRig) -> StereoRig | None:
     """The rig that the pictures are of; None where it is the plan's."""
     from rigsim.study.calibrate.plan.models import in_model, own_model
 
-    true, asked = rig, plan.asked
+    true = rig
     if options.true_model is not None:
         lens = _lens_named(options.true_model)
-        true = read_rig(options.true_model) if lens is None else in_model(rig, lens)[0]
+        true = _true_file(options.true_model) if lens is None else in_model(rig, lens)[0]
     try:
         as_planned, remarks = in_model(true, own_model(asked.rig))
     except InvalidRange:  # the plan's model shows less
         return true
     # a lens that the plan's model holds exactly is no other lens
     return None if not remarks and as_planned == asked.rig else true
+
+
+def _true_file(named: RigLike) -> StereoRig:
+    try:
+        return read_rig(named)
+    except InvalidRange as error:
+        raise InvalidRange(
+            f"true model {given.shown(named)}: is no lens model, and no rig: {error}"
+        ) from None
 
 
 def _lens_named(word: object) -> type[Lens] | None:

@@ -132,7 +132,8 @@ class PlanWitness(Part):
     misfit: float | None
     """Residuals over what corner noise alone leaves: 1 where the model can say what is true."""
     parameter_ratio: float | None
-    """Spread of all parameters together over the predicted one; null where the model cannot say what is true."""
+    """Spread of all parameters together over the predicted one; null where the model cannot say what is
+    true."""
     parameter_ratio_low: float | None
     """Lower end of its 95 % interval."""
     parameter_ratio_high: float | None
