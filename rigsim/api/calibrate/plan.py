@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
@@ -26,6 +26,7 @@ from rigsim.rig.remark import Remark
 if TYPE_CHECKING:
     from rigsim.interop.documents.base import Written
     from rigsim.present.kit.types import Figure, Table
+    from rigsim.rig.lens.lens import Lens
     from rigsim.rig.stereo import StereoRig
     from rigsim.study.calibrate.plan.asked import DepthGoal, PlanAsked
     from rigsim.study.calibrate.plan.result import CalibrationPlan
@@ -81,6 +82,8 @@ class PlannedCalibration(Result):
     """What the page names as the command that made it."""
     remarks: tuple[Remark, ...] = ()
     """What is odd about what was asked, and about the plan."""
+    complete: bool = True
+    """Whether all witnesses that were asked for are there; False after Ctrl-C."""
 
     @property
     def table(self) -> Table:
@@ -144,7 +147,7 @@ class PlannedCalibration(Result):
         from rigsim.interop.documents.calibrate.plan import PlanTold, plan_document
         from rigsim.present.calibrate import plan_words
 
-        told = PlanTold(self.command, self.witnesses, self.remarks, written)
+        told = PlanTold(self.command, self.witnesses, self.remarks, self.complete, written)
         return plan_document(self.plan, plan_words, told)
 
     def print(self, folder: Path | None = None) -> None:
@@ -200,9 +203,12 @@ def plan_calibration(options: PlanOptions) -> PlannedCalibration:
 
     rig, board = read_rig(options.rig), as_board(options.board)
     asked, odd = _asked(options, rig, board)
+    true_rig = _true_rig(options, asked, rig) if options.simulate or options.measure else None
     plan = run_plan(asked)
-    witnesses = _witnesses(options, plan, rig)
-    return PlannedCalibration(plan, witnesses, options.command, (*odd, *plan.remarks))
+    witnesses = _witnesses(options, plan, true_rig)
+    wanted = [count for count in (options.simulate, options.measure) if count]
+    complete = [one.calibrations for one in witnesses] == wanted
+    return PlannedCalibration(plan, witnesses, options.command, (*odd, *plan.remarks), complete)
 
 
 def as_board(board: object) -> Board:
@@ -219,19 +225,19 @@ def as_board(board: object) -> Board:
 def _asked(options: PlanOptions, rig: StereoRig, board: Board) -> tuple[PlanAsked, tuple[Remark, ...]]:
     """What is to be planned, and what is odd about the lens model."""
     from rigsim.study.calibrate.plan.asked import PlanAsked, Reach
-    from rigsim.study.calibrate.plan.models import in_model, lens_model, own_model, seldom_estimated
-    from rigsim.theory.calibration.parameters import RigParameters
+    from rigsim.study.calibrate.plan.free import estimated
+    from rigsim.study.calibrate.plan.models import in_model, lens_model, own_model
 
     model = own_model(rig) if options.model is None else lens_model(str(options.model))
     modelled, remarks = in_model(rig, model)
     fix = (options.fix,) if isinstance(options.fix, str) else tuple(str(word) for word in options.fix)
-    held = (*fix, *seldom_estimated(rig, model))
+    parameters, held = estimated(modelled, model, fix=fix, warped=bool(options.warp))
     near_m, far_m = _two(options.range_m, "range_m", "(near, far), m")
     noise_px = coordinate_noise_px(options.noise_px, options.disparity_noise_px)
     at_m = given.reals(options.at_m, "at_m")
     asked = PlanAsked(
         modelled,
-        RigParameters.of((model, model), fix=held, warped=bool(options.warp)),
+        parameters,
         board,
         poses=_poses(options.poses),
         reach=Reach(near_m, far_m, math.radians(given.real(options.tilt_deg, "tilt_deg"))),
@@ -242,7 +248,7 @@ def _asked(options: PlanOptions, rig: StereoRig, board: Board) -> tuple[PlanAske
         at_m=tuple(sorted(at_m)),
         seed=options.seed,
     )
-    return asked, remarks
+    return asked, (*remarks, *held)
 
 
 def _poses(poses: object) -> BoardPoses | int:
@@ -274,6 +280,13 @@ def _goal(options: PlanOptions, at_m: tuple[float, ...]) -> DepthGoal | None:
     return DepthGoal(error.error_m(z_m), z_m)
 
 
+def _count(value: object, name: str) -> int:
+    count = given.real(value, name)
+    if not (count.is_integer() and count >= 0):
+        raise InvalidRange(f"{name} {count:g}: must be a whole number, 0 or more")
+    return int(count)
+
+
 def _two(values: object, name: str, wanted: str) -> tuple[float, float]:
     ends = given.reals(values, name)
     if len(ends) != 2:
@@ -281,6 +294,62 @@ def _two(values: object, name: str, wanted: str) -> tuple[float, float]:
     return ends[0], ends[1]
 
 
-def _witnesses(options: PlanOptions, plan: CalibrationPlan, rig: StereoRig) -> tuple[CalibrationWitness, ...]:
+def _witnesses(
+    options: PlanOptions, plan: CalibrationPlan, true_rig: StereoRig | None
+) -> tuple[CalibrationWitness, ...]:
     """Whole calibrations, where they were asked for."""
-    return ()
+    if not (options.simulate or options.measure):
+        return ()
+    from rigsim.study.calibrate.witness.run import run_witnesses
+
+    return run_witnesses(
+        plan,
+        simulated=_count(options.simulate, "simulate"),
+        measured=_count(options.measure, "measure"),
+        true_rig=true_rig,
+        true_board=_true_board(options.true_warp_mm, plan.asked.board),
+        progress=options.progress,
+    )
+
+
+def _true_rig(options: PlanOptions, asked: PlanAsked, rig: StereoRig) -> StereoRig | None:
+    """The rig that the pictures are of; None where it is the plan's."""
+    from rigsim.study.calibrate.plan.models import in_model, own_model
+
+    true = rig
+    if options.true_model is not None:
+        lens = _lens_named(options.true_model)
+        true = _true_file(options.true_model) if lens is None else in_model(rig, lens)[0]
+    try:
+        as_planned, remarks = in_model(true, own_model(asked.rig))
+    except InvalidRange:  # the plan's model shows less
+        return true
+    # a lens that the plan's model holds exactly is no other lens
+    return None if not remarks and as_planned == asked.rig else true
+
+
+def _true_file(named: RigLike) -> StereoRig:
+    try:
+        return read_rig(named)
+    except InvalidRange as error:
+        raise InvalidRange(
+            f"true model {given.shown(named)}: is no lens model, and no rig: {error}"
+        ) from None
+
+
+def _lens_named(word: object) -> type[Lens] | None:
+    from rigsim.study.calibrate.plan.models import lens_model
+
+    try:
+        return lens_model(word) if isinstance(word, str) else None
+    except InvalidRange:
+        return None
+
+
+def _true_board(warp_mm: object, board: Board) -> Board | None:
+    """The board that is in the pictures; None where it is the plan's."""
+    warps = given.reals(warp_mm, "true_warp_mm")
+    if not any(warps):
+        return None
+    along, down = _two(warps * 2 if len(warps) == 1 else warps, "true_warp_mm", "one length, or two")
+    return replace(board, warp_m=(along / 1e3, down / 1e3))

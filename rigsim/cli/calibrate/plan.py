@@ -8,7 +8,8 @@ from typing import Annotated
 
 import typer
 
-from rigsim.cli.kit.answer import claim, command, deliver, print_document
+from rigsim import interrupts
+from rigsim.cli.kit.answer import claim, command, deliver, print_document, quiet
 from rigsim.cli.kit.options import DisparityNoise, Json, Noise, takes, takes_rig
 from rigsim.cli.kit.progress import stages
 from rigsim.errors import CalibrationUndetermined
@@ -147,7 +148,7 @@ def plan(options: RigOptions, words: PlanWords) -> None:
     from rigsim.api.calibrate.plan import plan_calibration
 
     try:
-        with stages() as progress:
+        with quiet(words.as_json), stages() as progress:
             found = plan_calibration(rig, **asked, command=command(), progress=progress)
     except CalibrationUndetermined as error:
         if words.as_json:
@@ -156,3 +157,5 @@ def plan(options: RigOptions, words: PlanWords) -> None:
             print_document(undetermined_document(str(error), error.reason))
         raise
     deliver(found, words.out, words.force, words.as_json)
+    if not found.complete:
+        raise typer.Exit(interrupts.INTERRUPTED)

@@ -17,11 +17,14 @@ DRIFT_SAYS = (
 )
 _CAUSES: Mapping[str, str] = MappingProxyType(
     {
-        "bar_warmer": "bar between the cameras warmer",
-        "lenses_warmer": "both lenses warmer",
-        "knock": "right camera turned by a knock",
-        "refocus": "right lens focused anew",
+        "bar_warmer": "bar warmer",
+        "lenses_warmer": "lenses warmer",
+        "knock": "right camera turned",
+        "refocus": "right lens refocused",
     }
+)
+_SOURCES: Mapping[str, str] = MappingProxyType(
+    {"aluminium": "aluminium", "estimate": "estimate", "calibrated": "tolerance's calibrated"}
 )
 
 
@@ -42,7 +45,7 @@ def drift_rows(found: Sequence[Drift]) -> list[tuple[str, ...]]:
             _CAUSES[one.cause],
             f"{plain(one.amount)} {one.unit}",
             *(_error(*pair) for pair in zip(one.axis_m, one.image_m, strict=True)),
-            "class calibrated" if one.source == "calibrated" else one.source,
+            _SOURCES[one.source],
         )
         for one in found
     ]

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 
+from rigsim.present.calibrate.witness_words import agreement_words as agreement_words
 from rigsim.present.calibrate.words import board_words, pictures
 from rigsim.present.calibrate.words import holding_words as holding_words
 from rigsim.present.calibrate.words import parameter as parameter
-from rigsim.present.kit.agreement import reason
 from rigsim.present.kit.format import length, plain
-from rigsim.study.agreement.agreement import Agreement
 from rigsim.study.calibrate.enough import NOTICED, chosen_depth, chosen_places, enough
 from rigsim.study.calibrate.holding import holdings
 from rigsim.study.calibrate.plan.result import CalibrationPlan
@@ -19,6 +18,8 @@ _SHOWN = (2, 3, 5, 8, 12, 20, 30, 50, 80, 120, 200)
 _NOTED = 1.1
 _WORSE = 1.2
 _MOST_PAIRS = 4
+_NOTICED = 8
+"""Pictures among which a bad one stands out."""
 
 
 def headline(plan: CalibrationPlan) -> str:
@@ -109,7 +110,12 @@ def enough_sentence(plan: CalibrationPlan) -> str:
     least = plan.curve[0].pictures
     when = f"From {pictures(count)} on" if count > least else f"Already with {pictures(count)}"
     share = plain(100 * (NOTICED - 1), 2)
-    return f"{when} calibration adds less than {share} % to what pixel noise makes on the axis."
+    said = f"{when} calibration adds less than {share} % to what pixel noise makes on the axis"
+    return (
+        f"{said}; take {_NOTICED} all the same, so that a bad picture shows."
+        if count < _NOTICED
+        else f"{said}."
+    )
 
 
 def gain_sentence(plan: CalibrationPlan) -> str:
@@ -197,11 +203,6 @@ def order_sentence(plan: CalibrationPlan) -> str:
     if isinstance(plan.asked.poses, int):
         return "Best first: after any of them you may stop, and the curve says what you have."
     return "In the order of the file."
-
-
-def agreement_words(agreement: Agreement) -> str:
-    """Why witnesses do not agree; empty where they do."""
-    return reason(agreement)
 
 
 def held_words(plan: CalibrationPlan) -> str:

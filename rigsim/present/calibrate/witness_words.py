@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
-from rigsim.present.kit.agreement import text
-from rigsim.present.kit.format import length, number, plain, with_interval
+from rigsim.present.kit.format import fixed, length, number, plain, ratio, with_interval
+from rigsim.study.agreement.agreement import Agreement
 from rigsim.study.calibrate.witness.result import CalibrationWitness, WitnessedDepth
 
-WITNESS_TITLE = "Depth std from calibration, mm: as predicted, and of whole calibrations"
+WITNESS_TITLE = "Depth std from calibration, on the axis, mm: predicted for the corners met, and found"
 WITNESS_HEADS = (
     "witness",
     "distance\nm",
@@ -19,6 +20,7 @@ WITNESS_HEADS = (
     "mean\nerror",
 )
 WITNESS_NUMERIC = (False, True, True, True, True, True, True)
+_ODD_MISFIT = 1.1
 
 
 def witness_rows(witnesses: Sequence[CalibrationWitness]) -> list[tuple[str, ...]]:
@@ -31,34 +33,83 @@ def witness_rows(witnesses: Sequence[CalibrationWitness]) -> list[tuple[str, ...
 
 
 def _cells(row: WitnessedDepth) -> tuple[str, ...]:
-    ratio, low, high = with_interval(row.ratio, *row.interval)
+    found, low, high = with_interval(row.ratio, *row.interval)
     lengths = (number(value * 1e3) for value in (row.predicted_m, row.std_m))
-    return (plain(row.z_m), *lengths, ratio, f"{low} to {high}", number(row.mean_m * 1e3, 2))
+    return (plain(row.z_m), *lengths, found, f"{low} to {high}", number(row.mean_m * 1e3, 2))
 
 
 def witness_sentences(witnesses: Sequence[CalibrationWitness]) -> list[str]:
     """What each comes to, and what its user would have seen."""
-    return [_witness_sentence(one) for one in witnesses]
+    return [
+        " ".join(part for part in (_verdict(one), _spread(one), _residual(one), _bias(one)) if part)
+        for one in witnesses
+    ]
 
 
-def _witness_sentence(one: CalibrationWitness) -> str:
-    made = {
-        "simulated": "calibrations with noise on every corner",
-        "measured": "calibrations of rendered pictures by OpenCV",
+def agreement_words(agreement: Agreement) -> str:
+    """Why a witness does not agree; empty where it does."""
+    if agreement.kind == "agrees":
+        return ""
+    over = fixed(math.nan if agreement.ratio is None else agreement.ratio, 2)
+    few = agreement.count or (0, 0)
+    what = {
+        "depth spread": "depths scatter",
+        "parameter spread": "all parameters together scatter",
+        "residuals": "residuals are",
+    }.get(agreement.quantity, agreement.quantity)
+    said = {
+        "all-failed": "none of them found a rig",
+        "some-failed": "too many of them found no rig",
+        "spread": f"{what} {over} times what is predicted",
+        "mean": "depths are off on average, which the prediction knows nothing of",
+        "too-few-trials": f"{few[0]} of them are too few to tell, {few[1]} at least",
+        "unclear": f"depths scatter {over} times as predicted, but so few do not tell it from agreement",
+    }
+    return agreement.cause or said.get(agreement.reason, agreement.reason)
+
+
+def _verdict(one: CalibrationWitness) -> str:
+    how = {
+        "simulated": "calibrations of corners with noise",
+        "measured": "calibrations of rendered pictures",
     }[one.name]
-    failed = f", {one.failed} of which found no rig" if one.failed else ""
-    over = one.rms_px / one.corner_noise_px if one.corner_noise_px > 0 else float("nan")
-    biased = [row for row in one.depths if abs(row.mean_m) > row.std_m]
+    by = " by OpenCV" if one.by_opencv else ""
+    boards = f", {one.boards} places of the board each" if one.boards else ""
+    unfound = f", in {one.unfound} pictures of which no board was found" if one.unfound else ""
+    failed = f"; {one.failed} found no rig" if one.failed else ""
+    why = agreement_words(one.agreement)
+    verdict = one.agreement.kind + (f": {why}" if why else "")
+    return f"{one.name.capitalize()}, {one.calibrations} {how}{by}{boards}{unfound}{failed}: {verdict}."
+
+
+def _spread(one: CalibrationWitness) -> str:
+    if not math.isfinite(one.parameter_ratio):
+        return ""
+    found, low, high = with_interval(one.parameter_ratio, *one.parameter_interval)
+    return f"All parameters together scatter {found} times as predicted ({low} to {high})."
+
+
+def _residual(one: CalibrationWitness) -> str:
+    noise, residual = plain(one.corner_noise_px, 3), plain(one.rms_px, 3)
+    if not math.isfinite(one.misfit):
+        return f"Corners were {noise} px off; the residual was {residual} px."
     said = (
-        f"{one.name.capitalize()}: {text(one.agreement)}, over {one.calibrations} {made}{failed}. Corners are"
-        f" {plain(one.corner_noise_px, 3)} px off, and their user sees a residual of {plain(one.rms_px, 3)}"
-        f" px, {plain(over, 3)} times that."
+        f"Corners were {noise} px off; the residual, {residual} px, is {ratio(one.misfit)} times what that"
+        " noise leaves"
     )
-    if biased:
-        worst = max(biased, key=lambda row: abs(row.mean_m) / row.std_m)
-        said += (
-            f" At {plain(worst.z_m)} m depths are {length(abs(worst.mean_m))} too"
-            f" {'large' if worst.mean_m > 0 else 'small'} on average, more than they scatter: a lens model or"
-            " a board that is not the true one, which no residual within the noise rules out."
-        )
-    return said
+    if one.misfit > _ODD_MISFIT:
+        return f"{said}: lens or board are not what the calibration takes them for."
+    return f"{said}."
+
+
+def _bias(one: CalibrationWitness) -> str:
+    """Where depths are off on average by more than they scatter."""
+    off = [row for row in one.depths if abs(row.mean_m) > row.std_m]
+    if not off:
+        return ""
+    worst = max(off, key=lambda row: abs(row.mean_m) / row.std_m if row.std_m > 0 else math.inf)
+    return (
+        f"At {plain(worst.z_m)} m depths are {length(abs(worst.mean_m))} too"
+        f" {'large' if worst.mean_m > 0 else 'small'} on average: more pictures do not help there, another"
+        " lens model or a flatter board does."
+    )

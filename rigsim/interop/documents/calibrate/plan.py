@@ -73,6 +73,8 @@ class PlanTold:
     """Whole calibrations."""
     remarks: Sequence[Remark] = ()
     """What is odd about it."""
+    complete: bool = True
+    """Whether all witnesses that were asked for are there."""
     written: Written | None = None
     """The files; None where none were written."""
 
@@ -123,6 +125,7 @@ def plan_document(plan: CalibrationPlan, says: PlanSays, told: PlanTold) -> dict
         ],
         projection=_projections(plan),
         witnesses=[_witness(one, says) for one in told.witnesses],
+        complete=told.complete,
         drift=[_drift(one) for one in drift(asked.rig, asked.at_m)],
         covariance=covariance_part(plan.covariance, covariance_source(plan)),
         remarks=[RemarkPart(code=remark.code, text=remark.text) for remark in told.remarks],
@@ -249,6 +252,13 @@ def _witness(one: CalibrationWitness, says: PlanSays) -> PlanWitness:
             "failed": one.failed,
             "corner_noise_px": finite(one.corner_noise_px),
             "rms_px": finite(one.rms_px),
+            "misfit": finite(one.misfit),
+            "parameter_ratio": finite(one.parameter_ratio),
+            "parameter_ratio_low": finite(one.parameter_interval[0]),
+            "parameter_ratio_high": finite(one.parameter_interval[1]),
+            "boards": one.boards,
+            "unfound": one.unfound,
+            "by_opencv": one.by_opencv,
             "depths": [_witnessed(row) for row in one.depths],
             "agreement": one.agreement.kind,
             "says": says.agreement_words(one.agreement),

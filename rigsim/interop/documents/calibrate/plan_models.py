@@ -127,7 +127,23 @@ class PlanWitness(Part):
     corner_noise_px: float | None
     """Std of one coordinate of a corner: drawn, or found against the truth, px."""
     rms_px: float | None
-    """Median residual of the calibrations, as their user sees it, px."""
+    """Median over the calibrations of the root mean square residual of one coordinate, px; OpenCV tells
+    sqrt(2) times that."""
+    misfit: float | None
+    """Residuals over what corner noise alone leaves: 1 where the model can say what is true."""
+    parameter_ratio: float | None
+    """Spread of all parameters together over the predicted one; null where the model cannot say what is
+    true."""
+    parameter_ratio_low: float | None
+    """Lower end of its 95 % interval."""
+    parameter_ratio_high: float | None
+    """Upper end."""
+    boards: int
+    """Places of the board that each was made from."""
+    unfound: int
+    """Pictures, of those of one calibration, in which no board was found."""
+    by_opencv: bool
+    """Whether OpenCV calibrated; else rigsim's own least squares did."""
     depths: list[PlanWitnessDepth]
     """One a distance."""
     agreement: Literal["agrees", "flagged", "untold"]
@@ -279,6 +295,8 @@ class PlanDocument(Part):
     """At the depth that poses are chosen for, and infinitely far."""
     witnesses: list[PlanWitness]
     """Simulated and measured calibrations beside the prediction; empty without --verify."""
+    complete: bool
+    """Whether all of them are there; false after Ctrl-C."""
     drift: list[PlanDrift]
     """What changes after the calibration, and is in none of these numbers."""
     covariance: CovarianceDocument
