@@ -143,11 +143,11 @@ def cards(plan: CalibrationPlan) -> list[PoseCard]:
 def _columns(plan: CalibrationPlan) -> int:
     """Cards beside each other on paper: as few as let all of them stand on one A4 page."""
     camera = plan.asked.rig.left
-    for columns in (3, 4):
+    for columns in (3, 4, 5):
         height_mm = (_PAGE_MM / columns / 2 - 3) * camera.height / camera.width + _TEXT_MM
         if height_mm * -(-len(plan.poses) // columns) <= _CARDS_MM:
             return columns
-    return 4
+    return columns
 
 
 def _card(plan: CalibrationPlan, which: int, held: Holding) -> PoseCard:
