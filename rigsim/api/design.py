@@ -19,6 +19,7 @@ from rigsim.rig import given
 from rigsim.rig.remark import Remark
 from rigsim.rig.sensor import Sensor
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.calibrate.counted import calibration_remarks
 from rigsim.study.design.proof import Proof, recommended
 from rigsim.study.design.solve import Candidate, Design, solve
 from rigsim.study.design.tolerance import DesignTolerance, design_tolerance
@@ -161,6 +162,8 @@ def design(options: DesignOptions) -> Designed:
         min_overlap: Least shares of the left image seen by the right, 0 to 1; by default 0.5 at the near end.
         min_overlap_at_m: Their distances, m; the near end by default.
         nearest_focus_m: Nearest distance at which the lenses draw sharply, m.
+        calibration: Path of a covariance.json, plan.json or calibration.json of `rigsim calibrate`: what it
+            leaves of a disparity counts in every depth error, noise and calibration adding as squares.
         noise_px: Standard deviation of the noise of one pixel coordinate, px; by default 0.25, or with
             `sensors` what is measured in pictures taken with them.
         disparity_noise_px: Standard deviation of a disparity, px, instead: sqrt(2) times as much.
@@ -245,6 +248,8 @@ def _designed(options: DesignOptions) -> Designed:
         found, proofs, remarks = try_out(specification, cameras, options.prefer, place, fits, measures_noise)
     pick = recommended(found, proofs)
     remarks = (*remarks, *view_remarks(found, pick, options.cover_at_m is None))
+    counted = calibration_remarks(found.specification.calibration, pick.camera, pick.baseline_m)
+    remarks = (*remarks, *counted)
     held = design_tolerance(found.specification, pick, options.seed, found.candidates)
     told = has_own_noise(pick.camera.sensor, optics) or options.blur_px is not None
     sensor = fits[pick.camera.sensor, pick.camera.merged].sensor if told else None

@@ -21,6 +21,7 @@ requirement         says, at the depth Z                        baseline
 
 ``sigma_d = sqrt(2) sigma`` for the noise sigma of a pixel coordinate. Where this first order of a depth error
 is off by over 1 %, further orders count and the bound is found numerically (`rigsim.theory.inverse_error`).
+What a calibration leaves of a disparity adds to sigma_d as squares (`rigsim.theory.calibration.disparity`).
 """
 
 from __future__ import annotations
@@ -31,7 +32,8 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from rigsim.errors import InvalidRange
-from rigsim.theory.inverse_error import noise_allowed, noise_error
+from rigsim.theory.calibration.disparity import CalibrationDisparity
+from rigsim.theory.inverse_error import P95_OVER_STD, noise_allowed, noise_error
 
 RequirementKind: TypeAlias = Literal[
     "depth_error",
@@ -54,6 +56,8 @@ GATES: frozenset[RequirementKind] = frozenset({"fov", "vfov", "pixels", "cover_h
 _AT_LEAST: frozenset[RequirementKind] = frozenset(
     {"far_disparity", "overlap", "cover", "cover_height", "min_baseline", "fov", "vfov"}
 )
+_LONGER, _HALVINGS = 1e4, 50
+"""How much longer a baseline may be for what a calibration leaves, and how finely it is found."""
 _ANYWHERE: frozenset[RequirementKind] = frozenset({"fov", "vfov", "pixels", "max_baseline", "min_baseline"})
 
 
@@ -114,6 +118,8 @@ class Requirement:
     """Where it holds, m; NaN where it holds anywhere."""
     per_std: float = 1.0
     """1 for a root mean square, `P95_OVER_STD` for what 95 of 100 errors stay under (depth error)."""
+    calibration: CalibrationDisparity | None = None
+    """What a calibration leaves, which counts in a depth error; None for nothing."""
 
     def __post_init__(self) -> None:
         if not (
@@ -139,7 +145,10 @@ class Requirement:
         f, W, Z = camera.focal_px, camera.width_px, self.depth_m
         match self.kind:
             case "depth_error":
-                return Z * disparity_std_px / (f * noise_allowed(self.limit / Z, self.is_p95))
+                alone_m = Z * disparity_std_px / (f * noise_allowed(self.limit / Z, self.is_p95))
+                return (
+                    alone_m if self.calibration is None else self._longer_m(camera, disparity_std_px, alone_m)
+                )
             case "far_disparity":
                 return self.limit * disparity_std_px * Z / f
             case "max_disparity":
@@ -158,7 +167,8 @@ class Requirement:
         f, W, Z = camera.focal_px, camera.width_px, self.depth_m
         match self.kind:
             case "depth_error":
-                return Z * noise_error(Z * disparity_std_px / (f * baseline_m), self.is_p95)
+                both_px = math.hypot(disparity_std_px, self.left_px(baseline_m))
+                return Z * noise_error(Z * both_px / (f * baseline_m), self.is_p95)
             case "far_disparity":
                 return f * baseline_m / (Z * disparity_std_px)
             case "max_disparity":
@@ -177,6 +187,27 @@ class Requirement:
                 return camera.vfov_rad
             case "pixels":
                 return float(camera.pixels)
+
+    def left_px(self, baseline_m: float) -> float:
+        """Standard deviation of a disparity, px, that the calibration leaves; 0 without one."""
+        return 0.0 if self.calibration is None else self.calibration.at(self.depth_m / baseline_m)
+
+    def of_calibration(self, focal_px: float, baseline_m: float) -> float:
+        """What the calibration alone makes of a depth error, in the unit of `limit`; first order."""
+        per_std = P95_OVER_STD if self.is_p95 else 1.0
+        return per_std * self.depth_m**2 * self.left_px(baseline_m) / (focal_px * baseline_m)
+
+    def _longer_m(self, camera: Camera, disparity_std_px: float, alone_m: float) -> float:
+        """The baseline, m, of a depth error with what a calibration leaves: no shorter than `alone_m`, which
+        noise alone asks for; infinite where the calibration alone is too much at any."""
+        low, high = math.log(alone_m), math.log(alone_m * _LONGER)
+        if self.achieved(camera, alone_m * _LONGER, disparity_std_px) > self.limit:
+            return math.inf
+        for _ in range(_HALVINGS):
+            middle = (low + high) / 2
+            enough = self.achieved(camera, math.exp(middle), disparity_std_px) <= self.limit
+            low, high = (low, middle) if enough else (middle, high)
+        return math.exp(high)
 
     def is_met(self, achieved: float) -> bool:
         """Whether that value of `achieved` fulfils the requirement; arithmetic's last digits are forgiven."""
@@ -326,7 +357,9 @@ def _relax(
     ).lower.baseline_m
     least = max((other.limit for other in requirements if other.kind == "min_baseline"), default=0.0)
     if (
-        not whole.failed
+        # what a calibration leaves does not fall with the noise
+        not any(other.calibration for other in requirements)
+        and not whole.failed
         and max(0.0, least) <= whole.upper.baseline_m < of_noise
         and whole.upper.baseline_m > 0
     ):

@@ -40,7 +40,7 @@ def design_arguments(typed: Mapping[str, Any]) -> dict[str, Any]:
         binning=typed.get("binning", 1),
     )
     tolerances, bounds = tolerance_values(typed.get("tolerance") or [])
-    named = {"prefer": "prefer", "class_name": "tolerance_class"}
+    named = {"prefer": "prefer", "class_name": "tolerance_class", "calibration": "calibration"}
     return {
         "range_m": (near_mm / 1e3, far_mm / 1e3),
         **found,

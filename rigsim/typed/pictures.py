@@ -8,6 +8,7 @@ from typing import Any
 from rigsim.errors import InvalidRange
 from rigsim.typed import quantity
 from rigsim.typed.board import board
+from rigsim.typed.calibrate import fixed
 from rigsim.typed.noise import pixel_noise
 
 
@@ -28,7 +29,7 @@ def pictures_arguments(typed: Mapping[str, Any]) -> dict[str, Any]:
         "pictures": typed["pictures"] or (),
         "board": board(typed["board"]),
         "model": typed["model"],
-        "fix": tuple(name.strip() for word in typed["fix"] or [] for name in word.split(",")),
+        "fix": fixed(typed["fix"]),
         "warp": typed["warp"],
         "at_m": tuple(mm / 1e3 for mm in quantity.distances(typed["at"])),
         "noise_px": pixel_noise(typed["noise"], typed["disparity_noise"]).std_px,

@@ -13,6 +13,7 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.study.calibrate.witness.bench import CalibrationBench
 from rigsim.study.calibrate.witness.simulated import simulate_calibrations
 from rigsim.theory.calibration.adjust import adjust
+from rigsim.theory.calibration.parameters import RigParameters
 from tests.helpers.benches import RIG, small_bench
 
 COUNT = 60
@@ -88,3 +89,19 @@ def test_an_interrupt_keeps_what_is_done() -> None:
 
     found = simulate_calibrations(small_bench(boards=5), count=50, seed=1, progress=stop)
     assert found.calibrations == 9
+
+
+@pytest.mark.parametrize("warped", [False, True], ids=["taken-for-flat", "looked-for"])
+def test_boards_that_are_not_flat_scatter_as_predicted(warped: bool) -> None:
+    """Each calibration has a board of its own; the warp's share of the depth's spread is the larger one."""
+    bench = replace(small_bench(0.02), flatness_m=5e-4)
+    flat = small_bench(0.02).covariance(0.02).depth_std(bench.points)
+    if warped:
+        bench = replace(bench, parameters=RigParameters.of((None, None), warped=True))
+    found = simulate_calibrations(bench, count=COUNT, seed=8)
+    assert found.agreement.kind == "agrees"
+    assert found.parameter_ratio == pytest.approx(1, abs=0.1)
+    for depth, alone_m in zip(found.depths, flat, strict=True):
+        assert depth.ratio == pytest.approx(1, abs=0.3)
+        assert (depth.predicted_m > 1.5 * alone_m) != warped
+    assert (found.misfit > 1.1) != warped

@@ -8,6 +8,7 @@ from dataclasses import KW_ONLY, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
+from rigsim.api.calibrate.plan import as_board
 from rigsim.api.kit.plain import takes
 from rigsim.api.result import Result
 from rigsim.errors import InvalidRange
@@ -128,8 +129,8 @@ class CalibratedRig(Result):
 def calibrate_pictures(options: CalibrateOptions) -> CalibratedRig:
     """Calibrate a rig from pictures of a checker board, and say how good it is.
 
-    Corners are found, OpenCV calibrates, all corners are adjusted together; then each pair is predicted by the
-    others, and what does not fit is left out, with a reason. The covariance, at the corner noise that was
+    Corners are found, OpenCV calibrates, all corners are adjusted together; then each pair is predicted by
+    the others, and what does not fit is left out, with a reason. The covariance, at the corner noise that was
     found, says what is left of the depth.
 
     Args:
@@ -155,11 +156,7 @@ def calibrate_pictures(options: CalibrateOptions) -> CalibratedRig:
     from rigsim.study.calibrate.pictures.asked import PicturesAsked
     from rigsim.study.calibrate.pictures.run import calibrate_pictures as run
 
-    board = options.board
-    if isinstance(board, str):
-        from rigsim.rig.board import read_board
-
-        board = read_board(board)
+    board = as_board(options.board)
     at_m = (options.at_m,) if isinstance(options.at_m, int | float) else tuple(options.at_m)
     asked = PicturesAsked(
         board,
@@ -169,7 +166,7 @@ def calibrate_pictures(options: CalibrateOptions) -> CalibratedRig:
         given.real(options.noise_px, "noise", InvalidRange),
         options.warp,
     )
-    return CalibratedRig(run(asked, _looked(options, board), options.progress), options.command)
+    return CalibratedRig(run(asked, _looked(options, board)), options.command)
 
 
 def _looked(options: CalibrateOptions, board: Board) -> Looked:
@@ -179,8 +176,8 @@ def _looked(options: CalibrateOptions, board: Board) -> Looked:
 
         if options.pictures:
             raise InvalidRange("corners: are in the place of pictures: give one or the other")
-        one = isinstance(options.corners, str | os.PathLike)
-        paths = [options.corners] if one else options.corners
+        corners = options.corners
+        paths = [corners] if isinstance(corners, str | os.PathLike) else corners
         size = options.size
         return looked_from(
             [given.path(each, "corner file") for each in paths], board, None if size is None else (size, size)
@@ -192,8 +189,8 @@ def _looked(options: CalibrateOptions, board: Board) -> Looked:
 
     groups = []
     for each in options.pictures:
-        many = not isinstance(each, str | os.PathLike)
-        words = [str(given.path(word, "picture")) for word in (each if many else [each])]
+        several = [each] if isinstance(each, str | os.PathLike) else each
+        words = [str(given.path(word, "picture")) for word in several]
         found = picture_files(words)
         groups.append([file for files in found for file in files])
     matched = paired(groups)
@@ -203,6 +200,6 @@ def _looked(options: CalibrateOptions, board: Board) -> Looked:
 
 def _says() -> PicturesSays:
     from rigsim.interop.documents.calibrate.pictures import PicturesSays
-    from rigsim.present.calibrate.pictures_words import headline, next_words, picture_words
+    from rigsim.present.calibrate.pictures_words import headline, holding_of, picture_words
 
-    return PicturesSays(headline, picture_words, next_words)
+    return PicturesSays(headline, picture_words, holding_of)

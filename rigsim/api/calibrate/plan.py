@@ -225,19 +225,19 @@ def as_board(board: object) -> Board:
 def _asked(options: PlanOptions, rig: StereoRig, board: Board) -> tuple[PlanAsked, tuple[Remark, ...]]:
     """What is to be planned, and what is odd about the lens model."""
     from rigsim.study.calibrate.plan.asked import PlanAsked, Reach
-    from rigsim.study.calibrate.plan.models import in_model, lens_model, own_model, seldom_estimated
-    from rigsim.theory.calibration.parameters import RigParameters
+    from rigsim.study.calibrate.plan.free import estimated
+    from rigsim.study.calibrate.plan.models import in_model, lens_model, own_model
 
     model = own_model(rig) if options.model is None else lens_model(str(options.model))
     modelled, remarks = in_model(rig, model)
     fix = (options.fix,) if isinstance(options.fix, str) else tuple(str(word) for word in options.fix)
-    held = (*fix, *seldom_estimated(rig, model))
+    parameters, held = estimated(modelled, model, fix=fix, warped=bool(options.warp))
     near_m, far_m = _two(options.range_m, "range_m", "(near, far), m")
     noise_px = coordinate_noise_px(options.noise_px, options.disparity_noise_px)
     at_m = given.reals(options.at_m, "at_m")
     asked = PlanAsked(
         modelled,
-        RigParameters.of((model, model), fix=held, warped=bool(options.warp)),
+        parameters,
         board,
         poses=_poses(options.poses),
         reach=Reach(near_m, far_m, math.radians(given.real(options.tilt_deg, "tilt_deg"))),
@@ -248,7 +248,7 @@ def _asked(options: PlanOptions, rig: StereoRig, board: Board) -> tuple[PlanAske
         at_m=tuple(sorted(at_m)),
         seed=options.seed,
     )
-    return asked, remarks
+    return asked, (*remarks, *held)
 
 
 def _poses(poses: object) -> BoardPoses | int:

@@ -8,10 +8,12 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 
 from rigsim.api.kit.asked import DepthError, depth_errors
+from rigsim.api.kit.calibrations import read_calibration_tolerance
 from rigsim.api.rigs import Several, Sizes
 from rigsim.errors import InvalidRange
 from rigsim.rig import given
 from rigsim.rig.noise import coordinate_noise_px
+from rigsim.study.calibrate.counted import counted, design_calibration
 from rigsim.study.design.buildable import Builder, judged_by
 from rigsim.study.design.solve import PRIOR_NOISE_PX, Specification, specify
 from rigsim.study.saying import saying
@@ -43,6 +45,7 @@ class DesignOptions:
     min_overlap: Several = ()
     min_overlap_at_m: Several | None = None
     nearest_focus_m: float = 0.0
+    calibration: str | os.PathLike[str] | None = None
     noise_px: float | None = None
     disparity_noise_px: float | None = None
     build_share: float = 0.5
@@ -92,6 +95,10 @@ def specified(options: DesignOptions) -> Specification:
         build_share=given.real(options.build_share, "build_share"),
     )
     specification = replace(specification, builder=_builder(options))
+    if options.calibration is not None:
+        calibration = design_calibration(read_calibration_tolerance(options.calibration))
+        held = tuple(counted(asked, calibration) for asked in specification.requirements)
+        specification = replace(specification, requirements=held, calibration=calibration)
     if options.max_row_error_px is not None:
         row_px = given.real(options.max_row_error_px, "max_row_error_px")
         specification = replace(specification, row_px=row_px)

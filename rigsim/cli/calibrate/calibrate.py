@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import typer
 
+from rigsim.cli.calibrate.pictures import pictures
 from rigsim.cli.calibrate.plan import plan
 
 app = typer.Typer(
@@ -19,3 +20,4 @@ def _calibrate(context: typer.Context) -> None:
 
 
 app.command()(plan)
+app.command()(pictures)

@@ -57,8 +57,8 @@ class PicturesWords:
         list[Path] | None,
         typer.Option(
             metavar="FILE",
-            help="Corners found elsewhere, in the place of pictures: a corners.vnl, or a CSV table; twice for one"
-            " of each camera (docs/reference/calibrate_pictures.md).",
+            help="Corners found elsewhere, in the place of pictures: a corners.vnl, or a CSV table; twice"
+            " for one of each camera (docs/reference/calibrate_pictures.md).",
         ),
     ] = None
     size: Annotated[

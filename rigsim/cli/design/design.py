@@ -62,6 +62,14 @@ class DesignWords:
         ),
     ] = "50%"
     max_row_error: MaxRowError = None
+    calibration: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="The covariance.json, plan.json or calibration.json of rigsim calibrate: what it leaves"
+            " counts in every depth error, noise and calibration adding as squares.",
+        ),
+    ] = None
     max_baseline: Annotated[
         str | None, typer.Option(metavar="LENGTH", help="Longest baseline: 150 (mm), 0.15m.")
     ] = None

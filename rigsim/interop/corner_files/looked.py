@@ -106,7 +106,8 @@ def _check_inside(uv: Array, width: int, height: int) -> None:
     farthest = np.nanmax(uv.reshape(-1, 2), axis=0, initial=-np.inf)
     if farthest[0] > width or farthest[1] > height:
         raise InvalidRange(
-            f"corners reach {farthest[0]:.0f},{farthest[1]:.0f} px, the pictures are {width}x{height}: give their --size"
+            f"corners reach {farthest[0]:.0f},{farthest[1]:.0f} px, the pictures are {width}x{height}: give"
+            " their --size"
         )
 
 

@@ -1,7 +1,8 @@
 """Corners in a CSV table: ``picture,camera,corner,u_px,v_px``, a row a corner.
 
 ``camera`` is left or right. ``corner`` counts from 0, row-major. A ``level``
-is as in corners.vnl; ``std_px`` is the standard deviation that their finder claims. Corners that are not there were not found. Other columns are left alone.
+is as in corners.vnl; ``std_px`` is the standard deviation that their finder claims. Corners that are not
+there were not found. Other columns are left alone.
 """
 
 from __future__ import annotations

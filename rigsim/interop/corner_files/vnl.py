@@ -1,8 +1,8 @@
 """mrcal's corners.vnl: ``# filename x y level``, a line a corner, ``-`` for a picture without a board.
 
-A board's corners stand row-major. A level above 0 says that the corner was found in a picture halved so often;
-``-``, or a level below 0, that it was not found. Without a level column the fourth is a weight, as mrcal has it:
-``weight`` is 1 over the noise.
+A board's corners stand row-major. A level above 0 says that the corner was found in a picture halved so
+often; ``-``, or a level below 0, that it was not found. Without a level column the fourth is a weight, as
+mrcal has it: ``weight`` is 1 over the noise.
 """
 
 from __future__ import annotations

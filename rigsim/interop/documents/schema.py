@@ -11,6 +11,7 @@ from rigsim.interop.documents.calc import (
     CalcMotionDocument,
     CalcPointDocument,
 )
+from rigsim.interop.documents.calibrate.pictures_models import PicturesDocument
 from rigsim.interop.documents.calibrate.plan_models import PlanDocument
 from rigsim.interop.documents.compare import CompareDocument
 from rigsim.interop.documents.design.models import DesignDocument
@@ -37,6 +38,7 @@ DOCUMENTS: dict[str, tuple[str, type[Part]]] = {
     "design": ("rigsim design --json", DesignDocument),
     "tolerance": ("rigsim tolerance --json", ToleranceDocument),
     "calibrate-plan": ("rigsim calibrate plan --json", PlanDocument),
+    "calibrate-pictures": ("rigsim calibrate pictures --json", PicturesDocument),
     "rig": ("rigsim rig --json", RigDocument),
     "infer": ("rigsim infer --json", InferDocument),
     "verify": ("rigsim verify --json", VerifyDocument),

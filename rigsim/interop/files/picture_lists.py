@@ -14,7 +14,8 @@ _MOST = 20_000
 
 
 def picture_files(words: Sequence[str]) -> list[list[str]]:
-    """The files of each word, sorted by name: a folder's pictures, what a pattern matches, or the file itself.
+    """The files of each word, sorted by name: a folder's pictures, what a pattern matches, or the file
+    itself.
 
     Raises:
         OutputError: a word stands for no picture.

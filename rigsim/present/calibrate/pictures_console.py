@@ -61,8 +61,10 @@ def print_pictures(result: CalibratedPictures, folder: Path | None = None) -> No
         rig = shlex.quote(str(folder / "rig.toml"))
         paragraph(
             console,
-            f"Next: `rigsim export rig --rig {rig} --help` lists the formats of other programs; `rigsim tolerance"
-            f" --rig {rig} --class {shlex.quote(str(folder / 'covariance.json'))}` counts what the calibration leaves.",
+            f"Next: `rigsim export rig --rig {rig} --help` lists the formats of other programs; `rigsim"
+            " tolerance"
+            f" --rig {rig} --class {shlex.quote(str(folder / 'covariance.json'))}` counts what the"
+            " calibration leaves.",
         )
 
 
@@ -106,8 +108,13 @@ def pose_rows(result: CalibratedPictures) -> list[tuple[str, str, str]]:
     for k, name in enumerate(covariance.parameters.names[covariance.parameters.pose]):
         scale, unit = (180 / 3.141592653589793, "deg") if k < 3 else (1e3, "mm")
         std = covariance.std[covariance.parameters.pose][k]
-        rows.append((parameter_head(name), with_error(scale * values[k], scale * std), unit))
+        rows.append((_pose_head(name), with_error(scale * values[k], scale * std), unit))
     return rows
+
+
+def _pose_head(name: str) -> str:
+    own = name.partition("_")[0]
+    return parameter_head(name) if own.startswith("r") else f"{own[1:]} shift"
 
 
 def depth_rows(result: CalibratedPictures) -> list[tuple[str, ...]]:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _GAP_IN = 0.25
-_TOP_IN = 0.75
+_TOP_IN = 0.55
 _ARROW_SHARE = 0.03
 """Length of a typical residual's arrow over the picture's width."""
 _MOST_BARS = 40

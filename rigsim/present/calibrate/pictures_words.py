@@ -6,13 +6,19 @@ import math
 from collections.abc import Mapping
 from types import MappingProxyType
 
+import numpy as np
+
+from rigsim.present.calibrate.words import holding_words
 from rigsim.present.kit.format import length, number, plain, with_error
+from rigsim.study.calibrate.holding import holdings
 from rigsim.study.calibrate.pictures.outliers import Reason
 from rigsim.study.calibrate.pictures.result import CalibratedPictures, PictureCheck, PictureVerdict
+from rigsim.theory.calibration.boards import BoardPoses
 
 VERDICTS: Mapping[PictureVerdict, str] = MappingProxyType(
     {
         "good": "good",
+        "suspect": "suspect",
         "one_camera": "one camera alone",
         "outlier": "left out",
         "not_found": "no board",
@@ -40,7 +46,8 @@ def headline(result: CalibratedPictures) -> str:
     pairs = int(result.kept.sum())
     baseline = with_error(1e3 * result.rig.baseline_m, 1e3 * result.baseline_std_m)
     return (
-        f"Rig from {pairs} pairs: baseline {baseline} mm, corners {number(result.fit.rms_px)} px rms from where they"
+        f"Rig from {pairs} pairs: baseline {baseline} mm, corners {number(result.fit.rms_px)} px rms from"
+        " where they"
         f" should be; {_predicted(result)}."
     )
 
@@ -67,7 +74,8 @@ def noise_sentence(result: CalibratedPictures) -> str:
     claimed = result.fit.sightings.claimed_rms_px
     beside = f"; their own fits claim {number(claimed)} px" if math.isfinite(claimed) else ""
     return (
-        f"Corner noise {number(result.fit.noise_px)} px a coordinate, from the residuals with what was estimated taken"
+        f"Corner noise {number(result.fit.noise_px)} px a coordinate, from the residuals with what was"
+        " estimated taken"
         f" off{beside}. Every std is at that noise."
     )
 
@@ -88,11 +96,27 @@ def depth_sentence(result: CalibratedPictures) -> str:
         return ""
     row = rows[-1]
     return (
-        f"At {plain(row.z_m)} m on the axis the calibration leaves {length(row.calibration_m)} of depth std, pixel"
-        f" noise of {plain(result.asked.noise_px)} px {length(row.observation_m)}, both together {length(row.joint_m)}."
+        f"At {plain(row.z_m)} m on the axis the calibration leaves {length(row.calibration_m)} of depth std,"
+        " pixel"
+        f" noise of {plain(result.asked.noise_px)} px {length(row.observation_m)}, both together"
+        f" {length(row.joint_m)}."
     )
 
 
 def next_words(result: CalibratedPictures) -> str:
     """Where one more board does the most; empty where no place was found."""
-    return ""
+    found = result.next_pose
+    if found is None:
+        return ""
+    less = f"the calibration's depth std becomes {number(found.gain)} times what it is"
+    return f"Hold the board next: {holding_of(result)}; {less}."
+
+
+def holding_of(result: CalibratedPictures) -> str:
+    """How the board is held there, in words."""
+    found = result.next_pose
+    if found is None:
+        return ""
+    poses = BoardPoses.of([found.left_from_board])
+    (held,) = holdings(result.rig, result.asked.board, poses, np.array([found.seen]))
+    return holding_words(held)

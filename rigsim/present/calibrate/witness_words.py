@@ -65,7 +65,7 @@ def agreement_words(agreement: Agreement) -> str:
         "too-few-trials": f"{few[0]} of them are too few to tell, {few[1]} at least",
         "unclear": f"depths scatter {over} times as predicted, but so few do not tell it from agreement",
     }
-    return said.get(agreement.reason, agreement.reason)
+    return agreement.cause or said.get(agreement.reason, agreement.reason)
 
 
 def _verdict(one: CalibrationWitness) -> str:

@@ -11,6 +11,7 @@ from rigsim.present.design.tolerance import held_by, limit_says, tolerance_says
 from rigsim.present.design.words import badge, more_in_pictures, noise, outcome
 from rigsim.present.kit.console import make_console, print_table
 from rigsim.present.kit.format import MISSING, number, plain
+from rigsim.study.calibrate.counted import DesignCalibration
 from rigsim.study.design import words as words
 from rigsim.study.design.buildable import leaves_resolution_open, smallest_resolution
 from rigsim.study.design.least import least_size
@@ -42,6 +43,7 @@ def sentences(design: Design, proofs: Sequence[Proof]) -> tuple[str, ...]:
         f"The recommended baseline is {plain(pick.margin * 100, 2)} % from its nearest limit"
         + ("; the interval is too narrow for more." if pick.is_tight else "."),
         _budget(pick, design.specification),
+        *_told_apart(pick, design.specification),
         *([f"{words.body(pick.camera)}."] if pick.camera.body_m else []),
     ]
     if not proofs:
@@ -98,6 +100,8 @@ def _least(design: Design, pick: Candidate) -> list[str]:
 
 def _budget(pick: Candidate, spec: Specification) -> str:
     noise, wanted = min(100 * pick.noise_share, 100.0), 100 * spec.build_share
+    if spec.calibration is not None:
+        return f"{_with_calibration(pick, spec.calibration)} (--build-share asks for {wanted:.3g} %)."
     said = (
         f"Pixel noise takes {noise:.3g} % of the allowed variance of the depth error; {100 - noise:.3g} % is "
         "left for build errors"
@@ -105,6 +109,31 @@ def _budget(pick: Candidate, spec: Specification) -> str:
     if pick.keeps_share:
         return f"{said} (--build-share asks for {wanted:.3g} %)."
     return f"{said}: less than the {wanted:.3g} % of --build-share, which no rig here reaches."
+
+
+def _with_calibration(pick: Candidate, calibration: DesignCalibration) -> str:
+    noise, left = 100 * pick.noise_share, 100 * pick.calibration_share
+    rest = max(100 - noise - left, 0.0)
+    return (
+        f"Pixel noise takes {noise:.3g} % of the allowed variance of the depth error and the calibration"
+        f" ({calibration.of.name}, {calibration.of.source}) {left:.3g} %; {rest:.3g} % is left for what"
+        " changes afterwards"
+    )
+
+
+def _told_apart(pick: Candidate, spec: Specification) -> list[str]:
+    """Noise and calibration of every depth error; nothing where no calibration is counted."""
+    if spec.calibration is None:
+        return []
+    said = []
+    for asked in spec.requirements:
+        if asked.calibration is not None:
+            noise, left, both = (words.value(asked, part, 3) for part in spec.parts(asked, pick))
+            said.append(f"{words.name(asked)}: {noise} pixel noise, {left} calibration, {both} both")
+    return [
+        f"Noise and calibration add as squares, {'; '.join(said)}. The scene's cameras are exact: what the"
+        " calibration leaves is added to what was simulated and measured."
+    ]
 
 
 def requirement_rows(design: Design, proofs: Sequence[Proof]) -> list[tuple[str, ...]]:

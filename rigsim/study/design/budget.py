@@ -34,7 +34,8 @@ def check_share(build_share: float) -> None:
 def least_baseline_m(
     camera: Camera, requirements: Sequence[Requirement], noise_px: float, build_share: float
 ) -> float:
-    """The shortest baseline, m, at which noise leaves `build_share` of each depth error's variance."""
+    """The shortest baseline, m, at which noise, and the calibration where one is counted, leave `build_share`
+    of each depth error's variance."""
     sigma_d = disparity_std_px(noise_px)
     left = math.sqrt(1 - build_share)
     return max(
@@ -44,15 +45,20 @@ def least_baseline_m(
     )
 
 
-def noise_share(
+def taken_shares(
     camera: Camera, baseline_m: float, requirements: Sequence[Requirement], disparity_std_px: float
-) -> float:
-    """What noise takes of the variance of the depth error asked for; of the worst where there are several."""
-    return max(
-        (asked.achieved(camera, baseline_m, disparity_std_px) / asked.limit) ** 2
-        for asked in requirements
-        if asked.kind == "depth_error"
-    )
+) -> tuple[float, float]:
+    """What noise and what the calibration take of the variance of the depth error asked for; of the one of
+    which both together take most."""
+    found = []
+    for asked in requirements:
+        if asked.kind == "depth_error":
+            both, noise = (
+                (one.achieved(camera, baseline_m, disparity_std_px) / asked.limit) ** 2
+                for one in (asked, replace(asked, calibration=None))
+            )
+            found.append((noise, max(both - noise, 0.0)))
+    return max(found, key=sum)
 
 
 def picks(interval: Interval, least_m: float) -> tuple[float, ...]:

@@ -166,7 +166,13 @@ def _depth_error(asked: Requirement, sight: RigInScene, rng: np.random.Generator
         error_m = _p95_m(points[chosen], scale, sight, rng)
     near_m, far_m = float(depth_m.min()), float(depth_m.max())
     places = frozenset(known[chosen].tolist())
-    return RequirementCheck(asked, error_m, "points", len(chosen), near_m, far_m, points=places)
+    whole_m = _with_calibration(asked, error_m, rig=sight.rig)
+    return RequirementCheck(asked, whole_m, "points", len(chosen), near_m, far_m, points=places)
+
+
+def _with_calibration(asked: Requirement, error_m: float, *, rig: StereoRig) -> float:
+    """A depth error as seen, and what a calibration leaves where one is counted: the scene's is exact."""
+    return math.hypot(error_m, asked.of_calibration(rig.left.fx, rig.baseline_m))
 
 
 def _p95_m(points_left: Array, scale: Array, sight: RigInScene, rng: np.random.Generator) -> float:
@@ -195,6 +201,7 @@ def _with_measured(held: RequirementCheck, sight: RigInScene) -> RequirementChec
     else:
         size_m = abs_p95(error_m / scale)
     places = frozenset(np.flatnonzero(kept).tolist())
+    size_m = _with_calibration(asked, size_m, rig=sight.rig)
     return replace(held, measured=size_m, n_measured=len(places), matches=places)
 
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -25,8 +25,9 @@ from rigsim.errors import InvalidRange, InvalidRig
 from rigsim.rig import extent
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.calibrate.counted import DesignCalibration
 from rigsim.study.design import words as words
-from rigsim.study.design.budget import BUILD_SHARE, MARGIN, check_share, least_baseline_m, noise_share, picks
+from rigsim.study.design.budget import BUILD_SHARE, MARGIN, check_share, least_baseline_m, picks, taken_shares
 from rigsim.study.design.buildable import MACHINISTS, Builder, buildable_first
 from rigsim.study.saying import Saying
 from rigsim.theory.inverse import (
@@ -92,11 +93,22 @@ class Specification:
     """Who builds it."""
     row_px: float | None = None
     """Largest row misalignment of a built rig, px, as in `BuildRequirement`; None for any."""
+    calibration: DesignCalibration | None = None
+    """What counts in the depth errors beside the noise; None for nothing."""
 
     @property
     def disparity_std_px(self) -> float:
         """Standard deviation of a disparity, px."""
         return disparity_std_px(self.noise_px)
+
+    def parts(self, asked: Requirement, pick: Candidate) -> tuple[float, float, float]:
+        """What noise, the calibration, and both make of a depth error, by the formulas, in its unit."""
+        camera, baseline_m, sigma_d = pick.camera, pick.baseline_m, self.disparity_std_px
+        return (
+            replace(asked, calibration=None).achieved(camera, baseline_m, sigma_d),
+            asked.of_calibration(camera.focal_px, baseline_m),
+            asked.achieved(camera, baseline_m, sigma_d),
+        )
 
     def asked_of(self, camera: Camera) -> tuple[Requirement, ...]:
         """All requirements of a rig with that camera, whose body is one more where it is known."""
@@ -115,8 +127,10 @@ class Candidate:
     """Root mean square depth error at the far end, from noise, m."""
     noise_share: float = 0.0
     """Share of the variance that noise takes of the depth error asked for; of the worst where several are."""
+    calibration_share: float = 0.0
+    """What the calibration takes of the same; 0 where none is counted."""
     keeps_share: bool = True
-    """Whether noise leaves for the build what the specification asks for."""
+    """Whether both leave for the build what the specification asks for."""
 
     @property
     def camera(self) -> Camera:
@@ -255,7 +269,8 @@ def pareto_front(candidates: Sequence[Candidate]) -> tuple[Candidate, ...]:
 def _rank(candidate: Candidate, preference: str) -> tuple[float, ...]:
     pixels, baseline, error = candidate.camera.pixels, candidate.baseline_m, candidate.far_error_m
     # of those that leave too little for the build, the one that leaves most is the least wrong
-    first = (0.0 if candidate.keeps_share else candidate.noise_share, float(candidate.is_tight))
+    taken = candidate.noise_share + candidate.calibration_share
+    first = (0.0 if candidate.keeps_share else taken, float(candidate.is_tight))
     match preference:
         case "smallest":
             return (*first, baseline, pixels, error)
@@ -275,9 +290,9 @@ def _least_m(interval: Interval, specification: Specification) -> float:
 def _candidate(interval: Interval, baseline_m: float, specification: Specification) -> Candidate:
     camera, sigma_d, far_m = interval.camera, specification.disparity_std_px, specification.far_m
     error_m = far_m * noise_error(far_m * sigma_d / (camera.focal_px * baseline_m))
-    share = noise_share(camera, baseline_m, specification.requirements, sigma_d)
-    keeps = share <= 1 - specification.build_share + 1e-9
-    return Candidate(interval, baseline_m, error_m, share, keeps)
+    noise, calibration = taken_shares(camera, baseline_m, specification.requirements, sigma_d)
+    keeps = noise + calibration <= 1 - specification.build_share + 1e-9
+    return Candidate(interval, baseline_m, error_m, noise, calibration, keeps)
 
 
 def why_not(specification: Specification, intervals: Sequence[Interval], ways: Sequence[Relaxation]) -> str:
@@ -316,6 +331,11 @@ def _collision(interval: Interval) -> str:
     if interval.failed:
         return f"{words.whole(interval.failed[0])} fails with {words.camera(interval.camera)}"
     low, high = interval.lower, interval.upper
+    if not math.isfinite(low.baseline_m):
+        return (
+            f"{words.whole(low.requirement)} is less than the calibration alone leaves at any baseline"
+            f" ({words.camera(interval.camera)})"
+        )
     allows = f"allows <= {words.size(high.baseline_m)}" if high.baseline_m > 0 else "allows none"
     return (
         f"{words.whole(low.requirement)} needs a baseline >= {words.size(low.baseline_m)}, but "

@@ -45,13 +45,15 @@ class CalibrationPicture(Part):
     """Root mean square distance of its corners from where they should be, px; null without corners. An
     outlier's is with the others' rig."""
     leave_one_out_ratio: float | None
-    """Its residual over what a rig calibrated from the others predicts for it: 1 for honest corners; null where
-    the others leave the rig open."""
+    """Its residual over what a rig calibrated from the others predicts for it: 1 for honest corners; null
+    where the others leave the rig open."""
     verdict: PictureVerdict
-    """good; one_camera: counts for one camera, the other shows no board; outlier: left out, the others do not
-    predict it; not_found, several, unreadable, duplicate: left out."""
+    """good; suspect: counts, but is over 1.5 times as far off as the others predict; one_camera: counts for
+    one camera, the other shows no board; outlier: left out, the others do not predict it; not_found,
+    several, unreadable, duplicate: left out."""
     reason: Reason
-    """Why it is an outlier: moved, mixed_up, hidden, blurred, bent, unexplained; empty where it is none."""
+    """Why it is an outlier, or suspect: moved, mixed_up, hidden, blurred, bent, unexplained; empty where it
+    is none."""
     says: str
     """The same in words; empty where there is nothing to say."""
     corners: list[int] = Field(min_length=2, max_length=2)
@@ -62,7 +64,8 @@ class CalibrationWarp(Part):
     """Whether the board is flat."""
 
     rise_mm: list[float | None]
-    """How far the middle of its sides along x and y rises over their ends, mm; null where corners do not tell."""
+    """How far the middle of its sides along x and y rises over their ends, mm; null where corners do not
+    tell."""
     std_mm: list[float | None]
     """Standard deviations, mm."""
     chance: float
@@ -113,8 +116,8 @@ class PicturesDocument(Part):
     rms_px: float
     """Root mean square distance of a corner from where it should be, px, of the pairs that count."""
     corner_noise_px: float
-    """Standard deviation of one coordinate of a corner that the residuals show, degrees of freedom counted, px.
-    Every std here is at this noise."""
+    """Standard deviation of one coordinate of a corner that the residuals show, degrees of freedom counted,
+    px. Every std here is at this noise."""
     claimed_noise_px: float | None
     """The same as the corners' own fits claim it; null where they claim nothing."""
     leave_one_out_ratio: float | None

@@ -12,6 +12,7 @@ from rigsim.interop.documents.design.models import (
     Binding,
     Bound,
     Candidate,
+    CountedCalibration,
     CountedYield,
     DesignDocument,
     DesignTolerance,
@@ -90,9 +91,13 @@ def design_document(
             reason=_reason(pick, proofs, words),
             margin=clean(pick.margin),
             noise_share=clean(pick.noise_share),
+            calibration_share=clean(pick.calibration_share),
             **_class(tolerance),
         ),
         binding=Binding(shortest=_bound(pick.interval.lower), longest=_bound(pick.interval.upper)),
+        calibration=None
+        if spec.calibration is None
+        else CountedCalibration(file=spec.calibration.of.name, source=spec.calibration.of.source),
         housing=_housing(pick),
         requirements=[_achieved(asked, pick, design, proofs) for asked in spec.asked_of(pick.camera)],
         range_mm=(clean(spec.near_m * 1e3), clean(spec.far_m * 1e3)),
@@ -236,6 +241,7 @@ def _label(requirement: Requirement | None) -> Kind | None:
 def _achieved(asked: Requirement, pick: Picked, design: Design, proofs: Sequence[Proof]) -> Achieved:
     unit, scale = _UNITS[asked.kind]
     predicted = asked.achieved(pick.camera, pick.baseline_m, design.specification.disparity_std_px)
+    noise, left, _ = design.specification.parts(asked, pick) if asked.calibration else (None, None, 0.0)
     held = held_to(asked, pick, proofs)
     told = verdict(asked, pick, proofs, design.specification)
     return Achieved(
@@ -246,6 +252,8 @@ def _achieved(asked: Requirement, pick: Picked, design: Design, proofs: Sequence
         bound="at least" if asked.at_least else "at most",
         required=clean(asked.limit * scale),
         achieved=clean(predicted * scale),
+        by_noise=None if noise is None else clean(noise * scale),
+        by_calibration=None if left is None else clean(left * scale),
         simulated=None if held is None else _known(held.simulated * scale),
         shown_by=None if held is None else held.shown_by,
         points_n=0 if held is None else held.n_points,

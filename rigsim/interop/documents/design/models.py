@@ -62,6 +62,8 @@ class Recommended(Candidate):
     """Distance of the baseline from its nearest limit, as a share of the baseline."""
     noise_share: float
     """What pixel noise takes of the variance of the depth error asked for; of the worst of several."""
+    calibration_share: float
+    """What the calibration takes of the same; 0 where none is counted."""
     class_name: Literal["printed", "machined", "calibrated"] | None = Field(alias="class")
     """The widest class of which 95 of 100 rigs keep the farthest depth error with noise, else the class asked
     for; null where no built rig can be judged."""
@@ -73,6 +75,15 @@ class Recommended(Candidate):
     """Good rigs of that class in that state, noise and build together, %."""
     limited_by: str | None
     """What limits that yield: a quantity, by its key as in `tolerance.quantities`, or `noise`."""
+
+
+class CountedCalibration(Part):
+    """The calibration that counts in the depth errors."""
+
+    file: str
+    """The file's name."""
+    source: str
+    """What it comes from."""
 
 
 class Housing(Part):
@@ -136,6 +147,10 @@ class Achieved(Part):
     """What was asked for."""
     achieved: float
     """What the rig does by the formulas."""
+    by_noise: float | None
+    """What pixel noise alone makes of a depth error; null where no calibration is counted in it."""
+    by_calibration: float | None
+    """What the calibration alone makes of it; the two add as squares. Null likewise."""
     simulated: float | None
     """What it did in the scene; null where that was not simulated."""
     shown_by: Literal["points", "plane", "rays", "pictures", "cameras"] | None
@@ -243,6 +258,8 @@ class DesignDocument(Part):
 
     recommended: Recommended
     binding: Binding
+    calibration: CountedCalibration | None
+    """Null where none is counted."""
     housing: Housing | None
     """What stands for the recommended rig's cameras; null where their width was said, or is not known."""
     requirements: list[Achieved]

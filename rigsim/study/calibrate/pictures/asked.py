@@ -44,6 +44,8 @@ class PicturesAsked:
     """Standard deviation of one coordinate of a match when the rig measures, px."""
     warp: bool = False
     """Whether the board's two warps are looked for."""
+    following: bool = True
+    """Whether the best next pose is looked for."""
 
     def __post_init__(self) -> None:
         if self.model not in MODELS:

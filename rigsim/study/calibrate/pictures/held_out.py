@@ -1,13 +1,13 @@
 """Each picture predicted by the others.
 
 The rig is calibrated without one pair; then that pair's board is put where the rig explains its corners best.
-What is left over, ``r = P (e - J d)``, is the corners' own noise e and the held-out rig's error d, without what
-the board's six numbers take up (P). With noise of variance s^2 and a rig of covariance C,
+What is left over, ``r = P (e - J d)``, is the corners' own noise e and the held-out rig's error d, without
+what the board's six numbers take up (P). With noise of variance s^2 and a rig of covariance C,
 
     E |r|^2 = s^2 (N - 6) + trace(A C),    A = J^T P J,
 
-N coordinates, A what the pair would tell of the rig. The ratio is the root of what is observed over that; s is
-the others' noise.
+N coordinates, A what the pair would tell of the rig. The ratio is the root of what is observed over that; s
+is the others' noise.
 """
 
 from __future__ import annotations
@@ -44,12 +44,14 @@ class HeldOut:
 
 def held_out(fit: Fit, pair: int) -> HeldOut:
     """One of the pairs that were fitted, by the rig of all others."""
-    others = np.arange(len(fit.sightings)) != pair
-    found = fit.adjusted
-    without = adjusted_from(
-        fit.sightings.chosen(others), fit.parameters, found.rig, found.poses.chosen(others)
-    )
-    return predicted(without, fit.sightings, pair, found.poses.chosen(np.array([pair])))
+    start = fit.adjusted.poses.chosen(np.array([pair]))
+    return predicted(without(fit, pair), fit.sightings, pair, start)
+
+
+def without(fit: Fit, pair: int) -> Fit:
+    """The same without one of the pairs."""
+    others, found = np.arange(len(fit.sightings)) != pair, fit.adjusted
+    return adjusted_from(fit.sightings.chosen(others), fit.parameters, found.rig, found.poses.chosen(others))
 
 
 def predicted(fit: Fit, sightings: Sightings, pair: int, start: BoardPoses) -> HeldOut:

@@ -13,7 +13,7 @@ from rigsim.errors import InvalidImage, MeasurementFailed, OutputError
 from rigsim.pixels.corners.boards import BoardCorners, find_sizes
 from rigsim.pixels.reading import read_image
 from rigsim.rig.arrays import AnyImage
-from rigsim.rig.board import Board
+from rigsim.rig.board import LEAST, Board
 from rigsim.rig.remark import Remark
 from rigsim.study.calibrate.pictures.pairs import PicturePair
 from rigsim.study.calibrate.pictures.sightings import Sightings, Size
@@ -57,7 +57,8 @@ class _Sizes:
         elif known[0] != size:
             camera = ("left", "right")[side]
             raise InvalidImage(
-                f"{file}: {size[0]}x{size[1]} px, but {known[1]} has {known[0][0]}x{known[0][1]}: pictures of the"
+                f"{file}: {size[0]}x{size[1]} px, but {known[1]} has {known[0][0]}x{known[0][1]}: pictures"
+                " of the"
                 f" {camera} camera must all be of one size; leave out those of the other"
             )
 
@@ -65,7 +66,8 @@ class _Sizes:
 def look(board: Board, pairs: Sequence[PicturePair], told: Told | None = None) -> Looked:
     """Find the board in every picture.
 
-    A picture without one, or that cannot be read, is no error. Ctrl-C ends the search and keeps what was found.
+    A picture without one, or that cannot be read, is no error. Ctrl-C ends the search and keeps what was
+    found.
 
     Raises:
         InvalidImage: one camera's pictures are of different sizes.
@@ -84,13 +86,20 @@ def look(board: Board, pairs: Sequence[PicturePair], told: Told | None = None) -
             seen.append((left[1], right[1]))
             if told is not None:
                 told("pairs searched", k + 1, len(pairs))
+            if k + 1 == _LOOKED_AT and (hint := _hint(board, pairs[: k + 1], found)):
+                raise MeasurementFailed(hint)
     except KeyboardInterrupt:
         if not found:
             raise
         interrupts.caught()
         interrupted = True
     if not any(corners is not None for both in found for corners in both):
-        raise MeasurementFailed(_none_found(board, pairs[: len(found)]))
+        raise MeasurementFailed(
+            _hint(board, pairs[:_LOOKED_AT], found)
+            or f"no board of {board.cols}x{board.rows} (or {board.rows}x{board.cols}) inner corners in any of"
+            f" {2 * len(found)} pictures: it must be visible as a whole, with squares of at least 6 px; count"
+            " inner corners, not squares"
+        )
     pairs = tuple(pairs[: len(found)])
     left_size, right_size = (known[0] if known else (0, 0) for known in sizes.sizes)
     sightings = _sightings(board, [pair.name for pair in pairs], found, (left_size, right_size))
@@ -143,24 +152,30 @@ def _turned(board: Board, sightings: Sightings) -> tuple[Remark, ...]:
     if board.cols >= board.rows:
         return ()
     grids = sightings.observed.reshape(-1, board.rows, board.cols, 2)
-    across = np.nanmean(grids[:, :, -1] - grids[:, :, 0], axis=1) if len(grids) else np.zeros((0, 2))
-    known = np.isfinite(across).all(axis=1)
-    down = np.abs(across[known, 1]) > np.abs(across[known, 0])
-    if not known.any() or down.mean() < _UPRIGHT:
+    across = np.median(grids[:, :, -1] - grids[:, :, 0], axis=1)
+    across = across[np.isfinite(across).all(axis=1)]
+    if not len(across) or np.mean(np.abs(across[:, 1]) > np.abs(across[:, 0])) < _UPRIGHT:
         return ()
     swapped = f"{board.rows}x{board.cols}"
     text = (
-        f"board {board.cols}x{board.rows}: both ways were tried; the pictures show it lying, {board.rows} corners"
+        f"board {board.cols}x{board.rows}: both ways were tried; the pictures show it lying, {board.rows}"
+        " corners"
         f" across and {board.cols} down: {swapped} is the same board, and gives the same rig"
     )
     return (Remark("board_turned", text),)
 
 
-def _none_found(board: Board, pairs: Sequence[PicturePair]) -> str:
-    """Why no picture may hold the board: by what it holds in its place."""
-    for pair in pairs[:_LOOKED_AT]:
+def _hint(
+    board: Board,
+    pairs: Sequence[PicturePair],
+    found: Sequence[tuple[BoardCorners | None, BoardCorners | None]],
+) -> str:
+    """What the first pictures hold in the board's place; empty where that is found, or nothing."""
+    if any(corners is not None for both in found for corners in both):
+        return ""
+    for pair in pairs:
         for cols, rows in ((board.cols + by[0], board.rows + by[1]) for by in _HINTS):
-            if min(cols, rows) < 3:
+            if min(cols, rows) < LEAST:
                 continue
             try:
                 others = find_sizes(read_image(pair.left), [(rows, cols)])
@@ -168,11 +183,9 @@ def _none_found(board: Board, pairs: Sequence[PicturePair]) -> str:
                 continue
             if others:
                 return (
-                    f"no picture shows a board of {board.cols}x{board.rows} inner corners, but {pair.left} one of"
-                    f" {cols}x{rows}: count inner corners, one fewer than squares, and give --board {cols}x{rows}@..."
+                    f"no picture shows a board of {board.cols}x{board.rows} inner corners, but {pair.left}"
+                    " one of"
+                    f" {cols}x{rows}: count inner corners, one fewer than squares, and give"
+                    f" --board {cols}x{rows}@..."
                 )
-    return (
-        f"no board of {board.cols}x{board.rows} (or {board.rows}x{board.cols}) inner corners in any of"
-        f" {2 * len(pairs)} pictures: it must be visible as a whole, with squares of at least 6 px; count inner"
-        " corners, not squares"
-    )
+    return ""

@@ -182,6 +182,7 @@ def _refuse_mirrored(
     votes = _Votes.of(mirrored, left, right, pairs)
     if votes.count >= 0.75 * len(pairs):
         raise InvalidImage(
-            f"left and right pictures are mirrored against each other: {votes.count} of {len(pairs)} pairs agree"
+            f"left and right pictures are mirrored against each other: {votes.count} of {len(pairs)} pairs"
+            " agree"
             " on a rig once one camera's are flipped; flip them back, or turn the camera's mirroring off"
         )

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from rigsim.pixels.calibration.camera import board_pose
 from rigsim.pixels.calibration.stereo import FoundRig
 from rigsim.rig.arrays import Array, Mask
-from rigsim.study.calibrate.pictures.fit import Fit, adjusted_from, distance_rms, fit_rig
-from rigsim.study.calibrate.pictures.held_out import HeldOut, alone_rms, held_out, predicted
+from rigsim.study.calibrate.pictures.at_once import ratios_at_once
+from rigsim.study.calibrate.pictures.fit import Fit, distance_rms, fit_rig
+from rigsim.study.calibrate.pictures.held_out import HeldOut, alone_rms, held_out, predicted, without
 from rigsim.study.calibrate.pictures.order import Ordered
 from rigsim.study.calibrate.pictures.sightings import Sightings
 from rigsim.theory.calibration.boards import BoardPoses
@@ -21,10 +23,15 @@ from rigsim.theory.calibration.parameters import RigParameters
 
 LIMIT = 2.0
 """A picture whose residual is so many times what the others predict is none of theirs."""
+SUSPECT = 1.5
+"""One whose residual is more than so many times that counts, and is named."""
+LEAST_OFF_PX = 0.05
+"""Of one coordinate: pictures whose corners are no farther off are fine, however much sharper others are."""
 _MOST_LEFT_OUT = 1 / 3
 """Of the pairs: where more do not fit, it is the rig or the board that is wrong."""
 _LEAST_KEPT = 3
-_MOVED = 2.0
+_MOVED = 1.5
+"""What both cameras together are off over what either alone is, where the board moved between the shots."""
 _FEW_CORNERS = 0.1
 _THEIR_SHARE = 0.7
 _BLURRED = 2.0
@@ -34,9 +41,6 @@ Reason: TypeAlias = Literal["", "moved", "mixed_up", "hidden", "blurred", "bent"
 """Why a picture is an outlier: each camera alone explains it, but not both (the board moved between the two
 shots, or the pictures are of different moments); they put the right camera elsewhere altogether; a few
 corners are wrong; its corners are far less sharp than the others'; the board was bent; or none of these."""
-
-Told: TypeAlias = Callable[[str, int, int], None]
-"""Told what things are done, how many, of how many."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,15 +53,16 @@ class Sorted:
     """OpenCV's rig of the same."""
     kept: Mask
     """Which pairs they are, (n,)."""
-    held_out: tuple[HeldOut | None, ...]
-    """Each pair as the others predict it; None where nothing was found in it."""
+    ratios: Array
+    """Each pair's residual over what the others predict, (n,); NaN where they do not."""
+    rms_px: Array
+    """Root mean square distance of each pair's corners from where they should be, px, (n,); of those left out
+    with the others' rig."""
     reasons: tuple[Reason, ...]
-    """Why each was left out; empty where it was not."""
+    """Why each was left out, or is suspect; empty where it is neither."""
 
 
-def sort_out(
-    ordered: Ordered, parameters: RigParameters, fix: Sequence[str], told: Told | None = None
-) -> Sorted:
+def sort_out(ordered: Ordered, parameters: RigParameters, fix: Sequence[str]) -> Sorted:
     """Calibrate, and leave out, worst first, what the others do not predict.
 
     Raises:
@@ -70,37 +75,49 @@ def sort_out(
     least = max(int(np.ceil((1 - _MOST_LEFT_OUT) * found.sum())), _LEAST_KEPT)
     fit, opencv = fit_rig(sightings.chosen(kept), parameters, fix)
     while True:
-        index = np.flatnonzero(kept)
-        checks = []
-        for k in range(len(index)):
-            checks.append(held_out(fit, k))
-            if told is not None:
-                told("pictures held out", k + 1, len(index))
-        ratios = np.array([check.ratio for check in checks])
-        if not (ratios > LIMIT).any() or kept.sum() <= least:
+        ratios = ratios_at_once(fit)
+        bad = stands_out(ratios, fit.picture_rms_px, LIMIT)
+        if not bad.any() or kept.sum() <= least:
             break
-        worst = int(np.nanargmax(ratios))
-        kept[index[worst]] = False
-        without = checks[worst].fit
-        fit = adjusted_from(without.sightings, parameters, without.adjusted.rig, without.adjusted.poses)
+        worst = int(np.argmax(np.where(bad, ratios, 0.0)))
+        kept[np.flatnonzero(kept)[worst]] = False
+        fit = without(fit, worst)
     if kept.sum() < found.sum():
         fit, opencv = fit_rig(sightings.chosen(kept), parameters, fix)
-    all_checks: list[HeldOut | None] = [None] * len(sightings)
-    reasons: list[Reason] = [""] * len(sightings)
-    for k, check in zip(index.tolist(), checks, strict=True):
-        all_checks[k] = check
-    for k in np.flatnonzero(found & ~kept).tolist():
+        ratios = ratios_at_once(fit)
+    return _told(ordered, fit, opencv, kept, ratios)
+
+
+def _told(ordered: Ordered, fit: Fit, opencv: FoundRig, kept: Mask, kept_ratios: Array) -> Sorted:
+    """With what there is to say of every pair."""
+    sightings = ordered.sightings
+    n = len(sightings)
+    ratios, rms_px = np.full(n, np.nan), np.full(n, np.nan)
+    ratios[kept], rms_px[kept] = kept_ratios, fit.picture_rms_px
+    reasons: list[Reason] = [""] * n
+    for place, k in enumerate(np.flatnonzero(kept).tolist()):
+        if stands_out(ratios[k], rms_px[k], SUSPECT):
+            reasons[k] = why(held_out(fit, place), sightings, k)
+    for k in np.flatnonzero(sightings.cameras.any(axis=1) & ~kept).tolist():
         check = predicted(fit, sightings, k, _start(sightings, fit, k))
-        all_checks[k] = check
-        reasons[k] = "mixed_up" if not ordered.agrees[k] else why(check, sightings, k)
-    return Sorted(fit, opencv, kept, tuple(all_checks), tuple(reasons))
+        ratios[k], rms_px[k] = check.ratio, distance_rms(check.residuals)
+        reasons[k] = why(check, sightings, k) if ordered.agrees[k] else "mixed_up"
+    return Sorted(fit, opencv, kept, ratios, rms_px, tuple(reasons))
+
+
+def stands_out(ratios: npt.ArrayLike, rms_px: npt.ArrayLike, limit: float) -> Mask:
+    """Which pairs are so many times as far off as the others predict, and by more than any board is true
+    to."""
+    least = LEAST_OFF_PX * np.sqrt(2)
+    return np.asarray((np.asarray(ratios) > limit) & (np.asarray(rms_px) > least))
 
 
 def why(check: HeldOut, sightings: Sightings, pair: int) -> Reason:
     """Why a pair is not as the others predict."""
     fit = check.fit
     alone = [alone_rms(fit, sightings, pair, side, check.pose) for side in (0, 1)]
-    if max(alone) < _MOVED * fit.noise_px:
+    together = distance_rms(check.residuals) / np.sqrt(2)
+    if max(alone) < together / _MOVED:
         return "moved"
     squares = np.sum(check.residuals**2, axis=-1).ravel()
     squares = np.sort(squares[np.isfinite(squares)])[::-1]
@@ -114,8 +131,6 @@ def why(check: HeldOut, sightings: Sightings, pair: int) -> Reason:
             return "blurred"
     if distance_rms(_flattened(check, sightings, pair)) < _BENT_LEFT * distance_rms(check.residuals):
         return "bent"
-    if max(alone) < distance_rms(check.residuals) / np.sqrt(2) / _MOVED:
-        return "moved"
     return "unexplained"
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -66,7 +67,8 @@ def paired(groups: Sequence[Sequence[str]]) -> Paired:
         folders = list(dict.fromkeys(str(PurePath(file).parent) for file in files))
         if len(folders) != 2:
             raise InvalidRange(
-                f"{PurePath(files[0]).name} and {len(files) - 1} more: nothing in their names tells left from right:"
+                f"{PurePath(files[0]).name} and {len(files) - 1} more: nothing in their names tells left"
+                " from right:"
                 " give two folders or two patterns, as 'a/*.png' 'b/*.png', left first"
             )
         sides = (
@@ -76,7 +78,8 @@ def paired(groups: Sequence[Sequence[str]]) -> Paired:
     found = _matched(*sides)
     if not found.pairs:
         raise InvalidRange(
-            f"{len(sides[0])} left and {len(sides[1])} right pictures: no two have the same number in their names:"
+            f"{len(sides[0])} left and {len(sides[1])} right pictures: no two have the same number in their"
+            " names:"
             " name them alike, as left01.png and right01.png"
         )
     return found
@@ -124,7 +127,7 @@ def _camera_number(file: str) -> int | None:
     if len(folder) == 2 and folder[0] in _CAMERAS and folder[1].isdigit():
         return int(folder[1])
     tokens = _tokens(PurePath(file).stem)
-    for word, number in zip(tokens, tokens[1:], strict=False):
+    for word, number in itertools.pairwise(tokens):
         # a number alone, as in img_003, is the moment's
         if word in _CAMERAS and number.isdigit() and len(tokens) > 2:
             return int(number)

@@ -20,6 +20,8 @@ _FEW_PAIRS = 8
 _COVERED = 0.6
 _DIFFERS = 0.1
 """Of a standard deviation: OpenCV and the adjustment of the same corners differ by less."""
+_LOOSE = 0.01
+"""Standard deviation of a focal length, as a share of it, from which the boards' tilts are too alike."""
 _NAMED = 6
 
 
@@ -38,7 +40,9 @@ def pairing_remarks(found: Paired) -> tuple[Remark, ...]:
         remarks.append(Remark("unpaired", text))
     if found.by_order:
         first = found.pairs[0]
-        text = f"nothing in the names pairs the pictures: paired by their order, as {first.left} with {first.right}"
+        text = (
+            f"nothing in the names pairs the pictures: by their order, {first.left} with {first.right}, ..."
+        )
         remarks.append(Remark("paired_by_order", text))
     return tuple(remarks)
 
@@ -46,8 +50,11 @@ def pairing_remarks(found: Paired) -> tuple[Remark, ...]:
 def _remarks(result: CalibratedPictures, turned: Sequence[str]) -> Iterator[Remark]:
     yield from _left_out(result)
     if turned:
-        text = f"corners of the right picture were counted the other way round than of the left one: {_listed(turned)}"
-        yield Remark("order_turned", text + "; set right by where the right camera stands in the other pairs")
+        text = (
+            f"corners of the right picture were counted the other way round than of the left one:"
+            f" {_listed(turned)}; set right by where the right camera stands in the other pairs"
+        )
+        yield Remark("order_turned", text)
     yield from _numbers(result)
     yield from _rig(result)
     yield from _board(result)
@@ -86,8 +93,10 @@ def _numbers(result: CalibratedPictures) -> Iterator[Remark]:
     claimed, found = result.fit.sightings.claimed_rms_px, result.fit.noise_px
     if np.isfinite(claimed) and found > _NOISIER * claimed:
         text = (
-            f"corners are {short(found / claimed, 2)} times as far off ({short(found)} px) as their fits claim"
-            f" ({short(claimed)} px): more than noise is left, as of a board that is not flat or squares that are not"
+            f"corners are {short(found / claimed, 2)} times as far off ({short(found)} px) as their fits"
+            " claim"
+            f" ({short(claimed)} px): more than noise is left, as of a board that is not flat or squares"
+            " that are not"
             " true, a lens that the model does not reach, or motion; every std here is at what was found"
         )
         yield Remark("noisier_than_claimed", text)
@@ -98,6 +107,15 @@ def _rig(result: CalibratedPictures) -> Iterator[Remark]:
         text = "the right camera stands to the left of the left one: are the two swapped, or both mirrored?"
         yield Remark("swapped", text)
     std = result.covariance.std
+    focal, names = result.rig.left.fx, result.covariance.names
+    loose = max(std[names.index("left.fx")], std[names.index("right.fx")])
+    if loose > _LOOSE * focal:
+        text = (
+            f"the pictures hardly tell the focal length, {short(focal, 4)} +- {short(loose, 2)} px: tilt the"
+            " board"
+            " some 30 degrees both ways, and bring it near"
+        )
+        yield Remark("focal_loose", text)
     for side, found, other in (
         ("left", result.rig.left, result.opencv.rig.left),
         ("right", result.rig.right, result.opencv.rig.right),
@@ -109,14 +127,16 @@ def _rig(result: CalibratedPictures) -> Iterator[Remark]:
             off = abs(getattr(found, name) - getattr(other, name))
             if alike and same_words and std[k] > 0 and off > _DIFFERS * std[k]:
                 text = (
-                    f"OpenCV's {side} {name}, {short(getattr(other, name), 6)} px, differs by {short(off / std[k], 2)}"
+                    f"OpenCV's {side} {name}, {short(getattr(other, name), 6)} px, differs by"
+                    f" {short(off / std[k], 2)}"
                     " standard deviations from the adjustment of the same corners, which is what counts here"
                 )
                 yield Remark("opencv_differs", text)
     shares = result.coverage.shares
     if min(shares) < _COVERED:
         text = (
-            f"corners reached {short(100 * shares[0], 2)} % of the left and {short(100 * shares[1], 2)} % of the right"
+            f"corners reached {short(100 * shares[0], 2)} % of the left and {short(100 * shares[1], 2)} % of"
+            " the right"
             " picture: elsewhere the lens is extrapolated; hold the board there too"
         )
         yield Remark("coverage", text)
@@ -130,10 +150,13 @@ def _board(result: CalibratedPictures) -> Iterator[Remark]:
             for value, std in zip(warp.rise_m, warp.std_m, strict=True)
         )
         if result.asked.warp:
-            text = f"the board is not flat: the middle of its sides rises by {rise} along x and y; the rig counts it"
+            text = (
+                f"the board is not flat: its sides' middle rises by {rise} along x and y; the rig counts it"
+            )
         else:
             text = (
-                f"the board may not be flat: the middle of its sides would rise by {rise} along x and y; --warp counts"
+                f"the board may not be flat: the middle of its sides would rise by {rise} along x and y;"
+                " --warp counts"
                 " it, a stiff board is better"
             )
         yield Remark("warp", text)

@@ -16,19 +16,22 @@ from rigsim.study.calibrate.depths import DepthStd
 from rigsim.study.calibrate.pictures.asked import PicturesAsked
 from rigsim.study.calibrate.pictures.coverage import Coverage
 from rigsim.study.calibrate.pictures.fit import Fit
-from rigsim.study.calibrate.pictures.outliers import Reason
+from rigsim.study.calibrate.pictures.outliers import LEAST_OFF_PX, Reason
 from rigsim.study.calibrate.pictures.pairs import PicturePair
 from rigsim.study.calibrate.pictures.sightings import Sightings
 from rigsim.study.calibrate.plan.result import NextPose
 from rigsim.theory.calibration.covariance import CalibrationCovariance
 
 PictureVerdict: TypeAlias = Literal[
-    "good", "one_camera", "outlier", "not_found", "several", "unreadable", "duplicate"
+    "good", "suspect", "one_camera", "outlier", "not_found", "several", "unreadable", "duplicate"
 ]
-"""What became of a pair: it counts; it counts for one camera, the other shows no board; the others do not
-predict it; no board in either; two such boards; a file that is no picture; the same as an earlier one."""
+"""What became of a pair: it counts; it counts, but is hardly as the others predict; it counts for one
+camera, the other shows no board; the others do not predict it; no board in either; two such boards; a file
+that is no picture; the same as an earlier one."""
 
 
+KEPT: tuple[PictureVerdict, ...] = ("good", "suspect", "one_camera")
+"""Verdicts of pairs that count."""
 _LEAST_TOLD = 3
 _MOST_RATIO = 1.25
 """Of all pictures together: honest corners, some hundred a picture, stay within 1.05."""
@@ -47,8 +50,8 @@ class PictureCheck:
     corners: tuple[int, int]
     """Corners found in the left and the right picture."""
     rms_px: float
-    """Root mean square distance of its corners from where they should be, px; NaN without any. An outlier's is
-    with the others' rig."""
+    """Root mean square distance of its corners from where they should be, px; NaN without any. An outlier's
+    is with the others' rig."""
     ratio: float
     """Residual over what the others predict; NaN where they do not."""
 
@@ -111,17 +114,17 @@ class CalibratedPictures:
     @property
     def ratio(self) -> float:
         """Root mean square of the kept pictures' ratios: 1 for honest corners."""
-        ratios = np.array([each.ratio for each in self.pictures if each.verdict in ("good", "one_camera")])
+        ratios = np.array([each.ratio for each in self.pictures if each.verdict in KEPT])
         return rms(ratios[np.isfinite(ratios)])
 
     @property
     def verdict(self) -> Literal["agrees", "flagged", "untold"]:
         """Whether the pictures predict one another: flagged where one is left out as an outlier, or where all
-        together are off by a quarter; untold of fewer than three."""
+        together are off by a quarter, and by more than any board is true to; untold of fewer than three."""
         ratio = self.ratio
         if not np.isfinite(ratio) or int(self.kept.sum()) < _LEAST_TOLD:
             return "untold"
-        fits = 1 / _MOST_RATIO < ratio < _MOST_RATIO
+        fits = 1 / _MOST_RATIO < ratio < _MOST_RATIO or self.fit.noise_px < LEAST_OFF_PX
         return "agrees" if fits and all(each.verdict != "outlier" for each in self.pictures) else "flagged"
 
     @property
@@ -130,4 +133,4 @@ class CalibratedPictures:
         shift = self.covariance.parameters.pose
         C = self.covariance.matrix[shift, shift][3:, 3:]
         along = self.rig.right_from_left.t / self.rig.baseline_m
-        return float(np.sqrt(max(along @ C @ along, 0.0)))
+        return float(np.sqrt(max(float(along @ C @ along), 0.0)))

@@ -14,10 +14,11 @@ from rigsim.rig.arrays import Mask
 from rigsim.study.calibrate.depths import depth_stds
 from rigsim.study.calibrate.pictures.asked import PicturesAsked
 from rigsim.study.calibrate.pictures.coverage import coverage
-from rigsim.study.calibrate.pictures.fit import Fit, adjusted_from, both_sides, distance_rms
-from rigsim.study.calibrate.pictures.look import Looked, Seen, Told
+from rigsim.study.calibrate.pictures.fit import Fit, adjusted_from, both_sides
+from rigsim.study.calibrate.pictures.following import following
+from rigsim.study.calibrate.pictures.look import Looked, Seen
 from rigsim.study.calibrate.pictures.order import agreed_order
-from rigsim.study.calibrate.pictures.outliers import Sorted, sort_out
+from rigsim.study.calibrate.pictures.outliers import SUSPECT, Sorted, sort_out, stands_out
 from rigsim.study.calibrate.pictures.remarks import remarks_of
 from rigsim.study.calibrate.pictures.result import (
     CalibratedPictures,
@@ -35,7 +36,7 @@ _STILL_PX = 0.5
 """A board whose corners move no farther was not moved."""
 
 
-def calibrate_pictures(asked: PicturesAsked, looked: Looked, told: Told | None = None) -> CalibratedPictures:
+def calibrate_pictures(asked: PicturesAsked, looked: Looked) -> CalibratedPictures:
     """Calibrate, and check every picture by the others.
 
     Raises:
@@ -50,7 +51,7 @@ def calibrate_pictures(asked: PicturesAsked, looked: Looked, told: Told | None =
     which = np.flatnonzero(~copies & sightings.cameras.any(axis=1))
     parameters = asked.parameters
     ordered = agreed_order(sightings.chosen(which), parameters.lenses, both_sides(asked.held))
-    found = sort_out(ordered, parameters, asked.held, told)
+    found = sort_out(ordered, parameters, asked.held)
     covariance = _covariance(found.fit)
     result = CalibratedPictures(
         asked=asked,
@@ -64,7 +65,7 @@ def calibrate_pictures(asked: PicturesAsked, looked: Looked, told: Told | None =
         pictures=_checks(looked, copies, which, found),
         coverage=coverage(found.fit.sightings),
         warp=warp_check(found.fit),
-        next_pose=None,
+        next_pose=following(asked, found.fit) if asked.following else None,
         remarks=(),
         interrupted=looked.interrupted,
     )
@@ -114,8 +115,10 @@ def _check_count(sightings: Sightings) -> None:
     if both < LEAST_BOARDS:
         alone = sightings.cameras.sum(axis=0)
         raise MeasurementFailed(
-            f"{both} pair(s) show the board in both pictures ({alone[0]} in the left, {alone[1]} in the right alone"
-            f" or with it): must be >= {LEAST_BOARDS}, and some ten with the board held differently are worth having"
+            f"{both} pair(s) show the board in both pictures ({alone[0]} in the left, {alone[1]} in the"
+            " right alone"
+            f" or with it): must be >= {LEAST_BOARDS}, and some ten with the board held differently are"
+            " worth having"
         )
 
 
@@ -148,7 +151,8 @@ def _farthest_px(sightings: Sightings, one: int, other: int) -> float:
 def _covariance(fit: Fit) -> CalibrationCovariance:
     if not np.isfinite(fit.noise_px):
         raise MeasurementFailed(
-            f"{len(fit.sightings)} pairs have too few corners for what is looked for: give more pictures, or hold"
+            f"{len(fit.sightings)} pairs have too few corners for what is looked for: give more pictures, or"
+            " hold"
             " some of it (--fix k3,aspect)"
         )
     try:
@@ -156,7 +160,8 @@ def _covariance(fit: Fit) -> CalibrationCovariance:
     except Undetermined as error:
         names = ", ".join(error.names[:4])
         raise MeasurementFailed(
-            f"the pictures leave open: {names}: tilt the board some 30 degrees both ways, bring it near and into"
+            f"the pictures leave open: {names}: tilt the board some 30 degrees both ways, bring it near and"
+            " into"
             " the corners, or hold them (--fix)"
         ) from None
 
@@ -165,22 +170,28 @@ def _checks(
     looked: Looked, copies: Mask, which: npt.NDArray[np.intp], found: Sorted
 ) -> tuple[PictureCheck, ...]:
     place = {int(k): j for j, k in enumerate(which)}
-    kept_rms = iter(found.fit.picture_rms_px)
-    rms_of = {j: float(next(kept_rms)) for j in np.flatnonzero(found.kept).tolist()}
     checks = []
     for k, name in enumerate(looked.sightings.names):
         corners = looked.sightings.found[k].sum(axis=1)
         count = int(corners[0]), int(corners[1])
         j = place.get(k)
-        check = None if j is None else found.held_out[j]
-        if j is None or check is None:
+        if j is None:
             verdict: PictureVerdict = "duplicate" if copies[k] else _unseen(looked.seen[k])
             checks.append(PictureCheck(name, verdict, "", count, np.nan, np.nan))
             continue
-        rms_px = rms_of[j] if j in rms_of else distance_rms(check.residuals)
-        verdict = "outlier" if not found.kept[j] else "good" if corners.all() else "one_camera"
-        checks.append(PictureCheck(name, verdict, found.reasons[j], count, rms_px, check.ratio))
+        ratio = float(found.ratios[j])
+        suspect = bool(stands_out(ratio, found.rms_px[j], SUSPECT))
+        verdict = _verdict(bool(found.kept[j]), bool(corners.all()), suspect)
+        checks.append(PictureCheck(name, verdict, found.reasons[j], count, float(found.rms_px[j]), ratio))
     return tuple(checks)
+
+
+def _verdict(kept: bool, both: bool, suspect: bool) -> PictureVerdict:
+    if not kept:
+        return "outlier"
+    if suspect:
+        return "suspect"
+    return "good" if both else "one_camera"
 
 
 def _unseen(seen: tuple[Seen, Seen]) -> PictureVerdict:

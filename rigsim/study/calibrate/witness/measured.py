@@ -41,7 +41,7 @@ def measure_calibrations(
 
     OpenCV calibrates, from the boards that both cameras saw whole and starting from the planned rig; where it
     knows no such lens model, or cannot hold what is held, `adjust` does from all boards. The covariance is
-    that of the same boards at the noise of the corners that were found.
+    that of the same boards, which are flat, at the noise of the corners that were found.
 
     Args:
         bench: What is calibrated; its corner noise does not matter.
@@ -51,18 +51,28 @@ def measure_calibrations(
         progress: Told of ``pictures`` and ``calibrations`` as they are made. When it is interrupted
             (KeyboardInterrupt) while calibrating, what is done by then is concluded from.
     """
-    by_opencv = fix_for_opencv(bench.parameters) is not None
-    if by_opencv:
+    if fix_for_opencv(bench.parameters) is not None:
         bench = bench.chosen(np.asarray(bench.seen.all(axis=1)))
     told = None if progress is None else lambda done, total: progress("pictures", done, total)
-    observed = found_corners(bench, sensor, count, seed, told)
+    return calibrate_found(bench, found_corners(bench, sensor, count, seed, told), progress)
+
+
+def calibrate_found(
+    bench: CalibrationBench, observed: Array, progress: Stage | None = None
+) -> CalibrationWitness:
+    """What as many calibrations as there are sets of corners (k, n, 2, m, 2), px, say; NaN was not found.
+
+    As `measure_calibrations`, whose boards are flat.
+    """
+    bench, count = replace(bench, flatness_m=0.0), len(observed)
+    by_opencv = fix_for_opencv(bench.parameters) is not None
     # what the detector did not find in the first picture is in none
     seen: Mask = np.asarray(np.isfinite(observed[..., 0]).any(axis=(0, 3)))
     kept: Mask = np.asarray(seen.all(axis=1) if by_opencv else seen.any(axis=1))
     unfound = int((bench.seen & ~seen).sum())
     bench, observed = replace(bench.chosen(kept), seen=seen[kept]), observed[:, kept]
     if not kept.any():
-        return _nothing(count, f"of {len(kept)} boards none is found in both pictures")
+        return _nothing(count, f"of {len(kept)} boards none was found in both pictures")
     noise_px = float(np.sqrt(np.nanmean((observed - bench.exact) ** 2)))
     try:
         predicted = bench.covariance(noise_px)
