@@ -45,9 +45,9 @@ def test_a_witness_stands_beside_the_prediction() -> None:
     assert witness_rows([WITNESS]) == [("simulated", "2", "1.00", "1.04", "1.040", "0.960 to 1.130", "−0.20")]
     (said,) = witness_sentences([WITNESS])
     assert said == (
-        "Simulated, 300 calibrations of corners with noise, 12 places of the board each: agrees. All"
-        " parameters together scatter 0.990 times as predicted (0.975 to 1.006). Corners were 0.1 px off; the residual,"
-        " 0.098 px, is 0.999 times what that noise leaves."
+        "Simulated, 300 calibrations of corners with noise, 12 places of the board each: agrees."
+        " All parameters together scatter 0.990 times as predicted (0.975 to 1.006)."
+        " Corners were 0.1 px off; the residual, 0.098 px, is 0.999 times what that noise leaves."
     )
 
 

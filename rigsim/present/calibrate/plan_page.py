@@ -123,7 +123,9 @@ def plan_html(
 
 def bench_sentences(plan: CalibrationPlan) -> list[str]:
     """What somebody at the bench has to know."""
-    near, far = (distance_words(each) for each in (plan.asked.reach.near_m, plan.asked.reach.far_m))
+    held = holdings(plan.asked.rig, plan.asked.board, plan.poses, plan.seen)
+    distances = [one.distance_m for one in held]
+    near, far = distance_words(min(distances)), distance_words(max(distances))
     return [
         f"Take {pictures(len(plan.poses))} with both cameras at the same moment, {near} to {far} away: board"
         " and rig still, all of the board sharp and in the picture. Do not touch focus, zoom or the mount"
