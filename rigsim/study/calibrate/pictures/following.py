@@ -8,9 +8,9 @@ from rigsim.errors import CalibrationUndetermined, InvalidRange
 from rigsim.study.calibrate.pictures.asked import PicturesAsked
 from rigsim.study.calibrate.pictures.fit import Fit
 from rigsim.study.calibrate.plan.asked import PlanAsked, Reach
-from rigsim.study.calibrate.plan.curve import Places, next_pose
+from rigsim.study.calibrate.plan.curve import PosePool, next_pose
 from rigsim.study.calibrate.plan.held import middle_of
-from rigsim.study.calibrate.plan.reach import Reached, random_poses
+from rigsim.study.calibrate.plan.reach import ReachedPoses, random_poses
 from rigsim.study.calibrate.plan.result import NextPose
 from rigsim.study.calibrate.plan.run import ALONE, CANDIDATES
 from rigsim.study.calibrate.plan.terms import depth_terms
@@ -36,13 +36,13 @@ def following(asked: PicturesAsked, fit: Fit) -> NextPose | None:
         noise_px=asked.noise_px,
         at_m=asked.at_m,
     )
-    held = Reached(found.poses, fit.sightings.cameras)
+    held = ReachedPoses(found.poses, fit.sightings.cameras)
     try:
         reached = held.joined(random_poses(plan, CANDIDATES, np.random.default_rng(0), ALONE))
         terms = depth_terms(plan, reached, plan.chosen_for_m)
     except (InvalidRange, CalibrationUndetermined):
         return None
-    places, picks = Places.of(plan, terms, reached, len(held)), list(range(len(held)))
+    places, picks = PosePool.of(plan, terms, reached, len(held)), list(range(len(held)))
     if not np.isfinite(places.stds(picks)[-1]):
         return None
     return next_pose(places, picks)
