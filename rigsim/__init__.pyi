@@ -1,6 +1,8 @@
 """The names of `rigsim` and the modules they are loaded from: for type checkers and `lazy_loader`."""
 
 from ._version import __version__ as __version__
+from .api.calibrate.pictures import calibrate_pictures as calibrate_pictures
+from .api.calibrate.plan import plan_calibration as plan_calibration
 from .api.check_rig import check_rig as check_rig
 from .api.compare import compare as compare
 from .api.design import design as design

@@ -46,6 +46,10 @@ COMMANDS = {
         "rigsim.cli.measure:measure",
         "Measure a pair of pictures: matches, depths, how accurate they are, and whether the rig fits.",
     ),
+    "calibrate": lazy.Command(
+        "rigsim.cli.calibrate.calibrate:app",
+        "Plan a calibration, or make one of your pictures, and say what it leaves of the depth.",
+    ),
     "infer": lazy.Command(
         "rigsim.cli.infer:infer",
         "Infer the disparity noise that explains depth errors at known distances.",

@@ -56,7 +56,7 @@ class Board:
 
     @classmethod
     def of(cls, text: str) -> Board:
-        """A board as `text` has it, ``COLSxROWS@SQUARE``: inner corners, and a square's side, in mm unless said.
+        """A board as `text` has it, ``COLSxROWS@SQUARE``: inner corners, a square's side (mm unless said).
 
         Raises:
             InvalidRange: it is none.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Protocol
@@ -139,26 +140,36 @@ class Simulator:
             views.append(View(faces.draw(renderer, side, drawn[side], supersample), depth, segmentation))
         return StereoFrame(*views)
 
-    def light(self, side: int, lens: Intrinsics, supersample: int = SUPERSAMPLE) -> Light:
+    def light(self, side: int, lens: Intrinsics) -> Light:
         """Linear light (H, W, 3), 0 to 1, on the placed rig's left (0) or right (1) camera, and nothing else.
 
         Args:
             side: which camera's place and turn.
-            lens: the camera to draw through: its own, or a part of its picture (`Intrinsics.cropped`).
-            supersample: samples along each side of a pixel, averaged.
+            lens: the camera to draw through, one sample a pixel: its own, or a part of its picture
+                (`Intrinsics.cropped`), as a rule a finer one (`Intrinsics.supersampled`).
 
         Raises:
             InvalidRig: the distortion folds the picture over.
             RenderUnavailable: the picture is too large.
         """
+        self._placed()
+        return faces.draw(self._room_for((lens,)), side, lens, 1)
+
+    def make_room(self, lenses: Iterable[Intrinsics]) -> None:
+        """Get ready for `light` through several cameras: what draws is made once, for the largest picture.
+
+        Raises:
+            InvalidRig, RenderUnavailable: as `light`.
+        """
+        self._room_for(lenses)
+
+    def _room_for(self, lenses: Iterable[Intrinsics]) -> Renderer:
         from rigsim.sim.render import buffer_size, check_size
 
-        self._placed()
-        pinholes = faces.pinholes_of(lens, supersample)
+        pinholes = [pinhole for lens in lenses for pinhole in faces.pinholes_of(lens, 1)]
         for pinhole, k in pinholes:
             check_size(pinhole, k)
-        renderer = self._ready([buffer_size(pinhole, k) for pinhole, k in pinholes])
-        return faces.draw(renderer, side, lens, supersample)
+        return self._ready([buffer_size(pinhole, k) for pinhole, k in pinholes])
 
     def preview(self, draft: bool = True) -> StereoFrame:
         """Both pictures of the placed rig as soon as they can be had, lens distortion included.

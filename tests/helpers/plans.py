@@ -46,7 +46,11 @@ def board_poses(rig: StereoRig, board: Board, count: int, seed: int = 0) -> Boar
 
 
 def made_plan(
-    name: str = "oak-d", count: int = 12, error_m: float | None = 0.02, noise_px: float = 0.25, **asked: object
+    name: str = "oak-d",
+    count: int = 12,
+    error_m: float | None = 0.02,
+    noise_px: float = 0.25,
+    **asked: object,
 ) -> CalibrationPlan:
     """A plan for a preset's rig; `asked` goes to `PlanAsked`."""
     rig, board = preset(name).rig, Board(9, 6, 0.03)

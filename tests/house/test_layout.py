@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-USE_CASES = ("sweep", "design", "tolerance", "verify", "compare", "infer", "measure", "rig")
+USE_CASES = ("sweep", "design", "tolerance", "verify", "compare", "infer", "measure", "rig", "calibrate")
 FLOORS = ("rigsim/study", "rigsim/present", "rigsim/interop/documents", "rigsim/cli", "tests")
 MOST_FILES = 15
 

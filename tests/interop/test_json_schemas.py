@@ -46,6 +46,10 @@ WITHOUT_UNIT = {
     *("same", "within_tolerance", "within_noise", "moved", "new", "gone", "efficiency"),
     *("false_alarm", "explained"),  # shares
     *("coefficients", "rotation"),
+    *("columns", "poses", "calibrations", "pictures_needed", "pictures_enough"),  # counts
+    *("misfit", "parameter_ratio", "parameter_ratio_low", "parameter_ratio_high", "boards", "unfound"),
+    *("across", "down", "gain", "correlation", "ratio", "ratio_low", "ratio_high"),  # shares, ratios
+    "left_from_board",  # three rad, three m
     "seconds",
     "frames",
     "pixels",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -236,3 +237,22 @@ def test_shapes_that_are_none(lens: Lens | None) -> None:
         camera.project("abc")
     assert camera.project(np.empty((0, 3))).shape == (0, 2)
     assert np.isnan(camera.jacobian([0.0, 0.0, -1.0])).all()
+
+
+@each_lens
+def test_slopes_are_what_a_small_change_of_each_coefficient_does(lens: Lens, field_deg: float) -> None:
+    points = _points(field_deg, 200)
+    slopes = lens.slopes(points)
+    assert slopes.shape == (200, 2, len(lens.names()))
+    for k, name in enumerate(lens.names()):
+        now = getattr(lens, name)
+        more, less = (replace(lens, **{name: now + way * 1e-6}).project(points) for way in (1, -1))
+        known = np.isfinite(more) & np.isfinite(less)  # the rim moves too
+        assert known.mean() > 0.95
+        difference = (more - less)[known] / 2e-6
+        np.testing.assert_allclose(slopes[..., k][known], difference, rtol=1e-6, atol=1e-6, err_msg=name)
+
+
+def test_a_slope_by_hand() -> None:
+    """``x (1 + k1 r2)`` grows by x r2: half of a half, twice."""
+    assert rigsim.BrownConrady().slopes(np.array([[1.0, 1.0, 2.0]]))[0, :, 0].tolist() == [0.25, 0.25]

@@ -11,6 +11,8 @@ from rigsim.interop.documents.calc import (
     CalcMotionDocument,
     CalcPointDocument,
 )
+from rigsim.interop.documents.calibrate.pictures_models import PicturesDocument
+from rigsim.interop.documents.calibrate.plan_models import PlanDocument
 from rigsim.interop.documents.compare import CompareDocument
 from rigsim.interop.documents.design.models import DesignDocument
 from rigsim.interop.documents.export import ExportDatasetDocument, ExportRigDocument
@@ -35,6 +37,8 @@ DOCUMENTS: dict[str, tuple[str, type[Part]]] = {
     "sweep": ("rigsim sweep --json", SweepDocument),
     "design": ("rigsim design --json", DesignDocument),
     "tolerance": ("rigsim tolerance --json", ToleranceDocument),
+    "calibrate-plan": ("rigsim calibrate plan --json", PlanDocument),
+    "calibrate-pictures": ("rigsim calibrate pictures --json", PicturesDocument),
     "rig": ("rigsim rig --json", RigDocument),
     "infer": ("rigsim infer --json", InferDocument),
     "verify": ("rigsim verify --json", VerifyDocument),

@@ -107,9 +107,8 @@ def nearest_order(board: BoardCorners, near: Array) -> npt.NDArray[np.intp]:
 
     One of the ways to turn its grid onto itself.
     """
-    orders = [
-        turned.ravel() for turned in turns(np.arange(len(board.uv)).reshape(board.rows, board.cols))
-    ]
+    places = np.arange(len(board.uv), dtype=np.float64).reshape(board.rows, board.cols)
+    orders = [turned.ravel().astype(np.intp) for turned in turns(places)]
     return min(orders, key=lambda order: float(np.nanmean((board.uv[order] - near) ** 2)))
 
 

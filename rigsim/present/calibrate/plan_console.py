@@ -7,6 +7,13 @@ import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
+from rigsim.present.calibrate.drift_words import (
+    DRIFT_SAYS,
+    DRIFT_TITLE,
+    drift_heads,
+    drift_numeric,
+    drift_rows,
+)
 from rigsim.present.calibrate.plan_words import (
     curve_shown,
     frame_sentence,
@@ -16,11 +23,20 @@ from rigsim.present.calibrate.plan_words import (
     next_sentence,
     sentences,
 )
+from rigsim.present.calibrate.witness_words import (
+    WITNESS_HEADS,
+    WITNESS_NUMERIC,
+    WITNESS_TITLE,
+    witness_rows,
+    witness_sentences,
+)
 from rigsim.present.calibrate.words import parameter_head
 from rigsim.present.kit.console import make_console, paragraph, print_table
 from rigsim.present.kit.format import number, plain
+from rigsim.study.calibrate.drift import drift
 from rigsim.study.calibrate.estimated import estimates
 from rigsim.study.calibrate.plan.result import CalibrationPlan
+from rigsim.study.calibrate.witness.result import CalibrationWitness
 
 DEPTH_HEADS = ("distance\nm", "where", "calib-\nration", "pixel\nnoise", "both")
 FRAME_HEAD = "calibration, from\nthe left camera"
@@ -28,7 +44,12 @@ CURVE_HEADS = ("pictures", "calibration", "at random", "with pixel noise", "")
 _PLACES = {"axis": "axis", "edge": "edge", "corner": "corner"}
 
 
-def print_plan(plan: CalibrationPlan, command: str = "", folder: Path | None = None) -> None:
+def print_plan(
+    plan: CalibrationPlan,
+    witnesses: Sequence[CalibrationWitness] = (),
+    command: str = "",
+    folder: Path | None = None,
+) -> None:
     """Print the answer, the depth at each distance, the number of pictures, and what to do next."""
     console = make_console()
     paragraph(console, headline(plan))
@@ -48,10 +69,20 @@ def print_plan(plan: CalibrationPlan, command: str = "", folder: Path | None = N
         curve_rows(plan),
         numeric=(*[True] * 4, False),
     )
+    if witnesses:
+        print_table(
+            WITNESS_TITLE, WITNESS_HEADS, witness_rows(witnesses), numeric=WITNESS_NUMERIC, console=console
+        )
+        for sentence in witness_sentences(witnesses):
+            paragraph(console, sentence)
+        console.print()
     for sentence in (frame_sentence(plan), inseparable_sentence(plan), next_sentence(plan)):
         if sentence:
             paragraph(console, sentence)
     console.print()
+    paragraph(console, DRIFT_SAYS)
+    found = drift(plan.asked.rig, plan.asked.at_m)
+    print_table(DRIFT_TITLE, drift_heads(found), drift_rows(found), numeric=drift_numeric(found))
     _print_next(plan, command, folder)
 
 
@@ -63,11 +94,12 @@ def _print_next(plan: CalibrationPlan, command: str, folder: Path | None) -> Non
         paragraph(console, f"Next: print the sheet for the bench: {again} writes plan/plan.html.")
         return
     page = shlex.quote(str(folder / "plan.html"))
+    pictures = f"rigsim calibrate pictures LEFT... RIGHT... --board {board}"
     console.print(f"Files: {folder}", soft_wrap=True)
     paragraph(
         console,
-        f"Next: print {page}, take the pictures, then `rigsim calibrate pictures LEFT... RIGHT... --board {board}`"
-        " makes the calibration of them and says what it leaves.",
+        f"Next: print {page} and take the pictures; `{pictures}` makes a calibration of them and says what"
+        " it leaves.",
     )
 
 

@@ -9,6 +9,13 @@ import numpy as np
 from markupsafe import Markup
 
 from rigsim.present.calibrate.board_shapes import shape
+from rigsim.present.calibrate.drift_words import (
+    DRIFT_SAYS,
+    DRIFT_TITLE,
+    drift_heads,
+    drift_numeric,
+    drift_rows,
+)
 from rigsim.present.calibrate.plan_console import (
     CURVE_HEADS,
     curve_rows,
@@ -27,6 +34,12 @@ from rigsim.present.calibrate.plan_words import (
     sentences,
 )
 from rigsim.present.calibrate.projection_figure import projection_figure
+from rigsim.present.calibrate.witness_words import (
+    WITNESS_HEADS,
+    WITNESS_NUMERIC,
+    witness_rows,
+    witness_sentences,
+)
 from rigsim.present.calibrate.words import (
     distance_words,
     pictures,
@@ -39,10 +52,12 @@ from rigsim.present.kit import style
 from rigsim.present.kit.page import Cover, fill
 from rigsim.rig.arrays import Array
 from rigsim.rig.remark import Remark
+from rigsim.study.calibrate.drift import drift
 from rigsim.study.calibrate.holding import Holding, holdings
 from rigsim.study.calibrate.plan.result import CalibrationPlan
+from rigsim.study.calibrate.witness.result import CalibrationWitness
 
-_PAGE_MM, _CARDS_MM, _TEXT_MM = 184.0, 214.0, 12.0
+_PAGE_MM, _CARDS_MM, _TEXT_MM = 186.0, 234.0, 14.5
 """Width of the page's text, what is left of its height for cards, and the height of a card's words, mm."""
 
 
@@ -62,11 +77,16 @@ class PoseCard:
     """The right one."""
 
 
-def plan_html(plan: CalibrationPlan, command: str = "", remarks: Sequence[Remark] = ()) -> str:
+def plan_html(
+    plan: CalibrationPlan,
+    witnesses: Sequence[CalibrationWitness] = (),
+    command: str = "",
+    remarks: Sequence[Remark] = (),
+) -> str:
     """The sheet for the bench and the numbers behind it as one page, without scripts, links or network."""
     curve = style.to_svg(curve_figure(plan), "curve", "Depth error by the number of pictures")
     projection = style.to_svg(projection_figure(plan), "projection", "Uncertainty over both pictures")
-    heads = depth_heads(plan)
+    heads, changes = depth_heads(plan), drift(plan.asked.rig, plan.asked.at_m)
     return fill(
         "plan.html",
         title=f"Calibration plan, {plan.asked.board.text}",
@@ -84,12 +104,19 @@ def plan_html(plan: CalibrationPlan, command: str = "", remarks: Sequence[Remark
         depth_rows=depth_rows(plan),
         depth_numeric=[True, False, *[True] * (len(heads) - 2)],
         frame=frame_sentence(plan),
-        witnesses=[],
+        witnesses=witness_rows(witnesses),
+        witness_heads=[head.replace("\n", " ") for head in WITNESS_HEADS],
+        witness_numeric=WITNESS_NUMERIC,
+        witness_says=witness_sentences(witnesses),
         projection=Markup(projection),
         inseparable=inseparable_sentence(plan),
         parameters=parameter_rows(plan),
         held=held_words(plan),
-        drift_rows=[],
+        drift_rows=drift_rows(changes),
+        drift_heads=drift_heads(changes),
+        drift_numeric=drift_numeric(changes),
+        drift_title=DRIFT_TITLE,
+        drift_says=DRIFT_SAYS,
         command=command,
     )
 
@@ -98,8 +125,8 @@ def bench_sentences(plan: CalibrationPlan) -> list[str]:
     """What somebody at the bench has to know."""
     near, far = (distance_words(each) for each in (plan.asked.reach.near_m, plan.asked.reach.far_m))
     return [
-        f"Take {pictures(len(plan.poses))} with both cameras at the same moment, {near} to {far} away: board and"
-        " rig still, all of the board sharp and in the picture. Do not touch focus, zoom or the mount"
+        f"Take {pictures(len(plan.poses))} with both cameras at the same moment, {near} to {far} away: board"
+        " and rig still, all of the board sharp and in the picture. Do not touch focus, zoom or the mount"
         " afterwards.",
         "Hold it as the pictures show it: they are seen from behind the cameras, left as the left camera sees"
         " it. A hand's breadth and 10° are near enough.",

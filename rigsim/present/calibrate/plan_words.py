@@ -4,26 +4,38 @@ from __future__ import annotations
 
 import math
 
-from rigsim.present.calibrate.words import board_words, holding_words, parameter, pictures
+from rigsim.present.calibrate.witness_words import agreement_words as agreement_words
+from rigsim.present.calibrate.words import board_words, pictures
+from rigsim.present.calibrate.words import holding_words as holding_words
+from rigsim.present.calibrate.words import parameter as parameter
 from rigsim.present.kit.format import length, plain
-from rigsim.study.calibrate.enough import NOTICED, chosen_depth, enough
+from rigsim.study.calibrate.enough import NOTICED, chosen_depth, chosen_places, enough
 from rigsim.study.calibrate.holding import holdings
 from rigsim.study.calibrate.plan.result import CalibrationPlan
 from rigsim.theory.calibration.boards import BoardPoses
 
 _SHOWN = (2, 3, 5, 8, 12, 20, 30, 50, 80, 120, 200)
 _NOTED = 1.1
+_WORSE = 1.2
+_MOST_PAIRS = 4
+_NOTICED = 8
+"""Pictures among which a bad one stands out."""
 
 
 def headline(plan: CalibrationPlan) -> str:
     """The answer in one sentence."""
-    said = f"{_made(plan)}, {_split(plan)}"
-    goal, needed = plan.asked.goal, plan.needed
+    row, goal, needed = chosen_depth(plan), plan.asked.goal, plan.needed
+    verb = "gives" if len(plan.poses) == 1 else "give"
+    said = (
+        f"{pictures(len(plan.poses))} of the {board_words(plan.asked.board)} {verb} {length(row.joint_m)} at"
+        f" {plain(plan.asked.chosen_for_m)} m: {length(row.calibration_m)} by calibration,"
+        f" {length(row.observation_m)} by pixel noise"
+    )
     if goal is None:
         return f"{said}."
-    wanted = f"{plain(goal.error_m * 1e3)} mm at {plain(goal.z_m)} m"
+    wanted = f"{plain(goal.error_m * 1e3)} mm"
     if needed.count is None:
-        return f"{said}; no number of them gives {wanted}."
+        return f"{said}; no number of pictures gives {wanted}."
     if needed.count > len(plan.poses):
         return f"{said}; it takes {needed.count} for {wanted}."
     if needed.count == len(plan.poses):
@@ -31,23 +43,10 @@ def headline(plan: CalibrationPlan) -> str:
     return f"{said}; {needed.count} are enough for {wanted}."
 
 
-def _made(plan: CalibrationPlan) -> str:
-    at = plain(plan.asked.chosen_for_m)
-    joint = length(chosen_depth(plan).joint_m)
-    verb = "gives" if len(plan.poses) == 1 else "give"
-    return f"{pictures(len(plan.poses))} of the {board_words(plan.asked.board)} {verb} {joint} at {at} m"
-
-
-def _split(plan: CalibrationPlan) -> str:
-    row = chosen_depth(plan)
-    parts = f"{length(row.calibration_m)} of calibration and {length(row.observation_m)} of pixel noise"
-    return f"the squares of {parts} together"
-
-
 def sentences(plan: CalibrationPlan) -> list[str]:
     """What else there is to say, the most important first."""
-    said = (hindrance_sentence(plan), enough_sentence(plan), gain_sentence(plan))
-    return [sentence for sentence in said if sentence]
+    said = (hindrance_sentence, corner_sentence, enough_sentence, gain_sentence)
+    return [sentence for sentence in (say(plan) for say in said) if sentence]
 
 
 def hindrance_sentence(plan: CalibrationPlan) -> str:
@@ -59,8 +58,8 @@ def hindrance_sentence(plan: CalibrationPlan) -> str:
         alone = chosen_depth(plan).observation_m
         most = asked.noise_px * asked.goal.error_m / alone if alone > 0 else math.nan
         return (
-            f"In the way: pixel noise of {plain(asked.noise_px)} px alone makes {length(alone)}. It takes matches"
-            f" good to {plain(most, 2)} px (`--noise`), a longer baseline, or a longer focal length."
+            f"In the way: pixel noise of {plain(asked.noise_px)} px alone makes {length(alone)}. It takes"
+            f" matches good to {plain(most, 2)} px (`--noise`), a longer baseline, or a longer focal length."
         )
     said = f"In the way: {_hindrance(plan, needed.hindrance)}"
     if not needed.remedies:
@@ -82,12 +81,25 @@ def _hindrance(plan: CalibrationPlan, code: str) -> str:
         "board": f"the board is too small; take a larger one (`--board {larger}`)",
         "range": f"the board is never nearer than {plain(reach.near_m)} m; hold it nearer"
         f" (`--range {plain(reach.near_m / 2)}:{plain(reach.far_m)}m`)",
-        "corner_noise": f"corners are found to {plain(asked.corner_noise_px)} px only; take sharper pictures, or"
-        f" several of each pose (`--corner-noise {half}`)",
+        "corner_noise": f"corners are found to {plain(asked.corner_noise_px)} px only; take sharper pictures,"
+        f" or several of each pose (`--corner-noise {half}`)",
         "flatness": f"the board is flat to {length(asked.flatness_m)} only; take a flatter one, or let the"
         " calibration find its warp (`--warp`)",
     }
     return said[code]
+
+
+def corner_sentence(plan: CalibrationPlan) -> str:
+    """What is left off the axis; empty where it is much the same."""
+    axis = chosen_depth(plan)
+    off = [row for row in chosen_places(plan) if row.place != "axis" and row.joint_m > _WORSE * axis.joint_m]
+    if not off:
+        return ""
+    parts = " and ".join(
+        f"{length(row.joint_m)} at the picture's {row.place} ({length(row.calibration_m)} by calibration)"
+        for row in off
+    )
+    return f"That is on the left camera's axis; at the same distance it is {parts}."
 
 
 def enough_sentence(plan: CalibrationPlan) -> str:
@@ -98,7 +110,12 @@ def enough_sentence(plan: CalibrationPlan) -> str:
     least = plan.curve[0].pictures
     when = f"From {pictures(count)} on" if count > least else f"Already with {pictures(count)}"
     share = plain(100 * (NOTICED - 1), 2)
-    return f"{when} calibration adds less than {share} % to what pixel noise makes: more pictures hardly help."
+    said = f"{when} calibration adds less than {share} % to what pixel noise makes on the axis"
+    return (
+        f"{said}; take {_NOTICED} all the same, so that a bad picture shows."
+        if count < _NOTICED
+        else f"{said}."
+    )
 
 
 def gain_sentence(plan: CalibrationPlan) -> str:
@@ -120,11 +137,13 @@ def inseparable_sentence(plan: CalibrationPlan) -> str:
         return ""
     pairs = (
         f"{parameter(one.first)} and {parameter(one.second)} ({_signed(one.correlation)})"
-        for one in plan.inseparable
+        for one in plan.inseparable[:_MOST_PAIRS]
     )
+    more = len(plan.inseparable) - _MOST_PAIRS
+    rest = f"; and {more} more" if more > 0 else ""
     return (
-        f"Hardly told apart (correlation): {'; '.join(pairs)}. What one is off by the other makes up for: judge"
-        " the depth, not their own std."
+        f"Hardly told apart (correlation): {'; '.join(pairs)}{rest}. What one is off by the other makes up"
+        " for: judge the depth, not their own std."
     )
 
 
@@ -159,13 +178,23 @@ def next_sentence(plan: CalibrationPlan) -> str:
     seen = plan.seen[:1].copy()
     seen[0] = found.seen
     (held,) = holdings(plan.asked.rig, plan.asked.board, BoardPoses.of([found.left_from_board]), seen)
-    gain = f"{100 * (1 - found.gain):.2g} %"
-    return f"One more picture does the most here: {holding_words(held)}; calibration error {gain} less."
+    less = 100 * (1 - found.gain)
+    if less < 1:
+        return f"One more picture hardly changes that; it would do the most so: {holding_words(held)}."
+    return (
+        f"One more picture does the most so: {holding_words(held)}; calibration error on the axis {less:.2g}"
+        " % less."
+    )
 
 
 def curve_shown(plan: CalibrationPlan) -> list[int]:
     """Places in the curve that a short table shows: round numbers, and those that the answer names."""
-    named = {len(plan.poses), plan.needed.count, enough(plan), plan.curve[-1].pictures if plan.curve else None}
+    named = {
+        len(plan.poses),
+        plan.needed.count,
+        enough(plan),
+        plan.curve[-1].pictures if plan.curve else None,
+    }
     return [k for k, point in enumerate(plan.curve) if point.pictures in _SHOWN or point.pictures in named]
 
 

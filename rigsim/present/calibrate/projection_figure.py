@@ -19,8 +19,8 @@ _LEFT_IN, _TOP_IN, _WIDTH_IN, _GAP_IN, _LINE_IN = 0.15, 0.95, 2.95, 0.2, 0.45
 
 
 def projection_figure(plan: CalibrationPlan) -> Figure:
-    """Std of a point's projection in its worst direction, over both images, at the depth that poses are chosen
-    for and infinitely far away."""
+    """Std of a point's projection in its worst direction, over both images, as far away as poses are
+    chosen for and infinitely far."""
     from rigsim.present.kit import style
 
     camera = plan.asked.rig.left
@@ -39,18 +39,16 @@ def projection_figure(plan: CalibrationPlan) -> Figure:
             ends = float(np.nanmin(both)), float(np.nanmax(both))
             bottom = page - _TOP_IN - height - line * (height + _LINE_IN)
             for side, found in enumerate(maps):
-                axes = style.place(
-                    figure, _LEFT_IN + side * (_WIDTH_IN + _GAP_IN), bottom, _WIDTH_IN, height
-                )
+                axes = style.place(figure, _LEFT_IN + side * (_WIDTH_IN + _GAP_IN), bottom, _WIDTH_IN, height)
                 mesh = _draw(axes, found, ends)
                 where = "infinitely far away" if z_m == FAR_M else f"{plain(z_m)} m away"
                 axes.set_title(f"{('left', 'right')[side]} image, {where}", fontsize=9, pad=3)
-            bar_axes = style.place(
-                figure, _LEFT_IN + 2 * _WIDTH_IN + _GAP_IN + 0.08, bottom, 0.1, height
-            )
+            bar_axes = style.place(figure, _LEFT_IN + 2 * _WIDTH_IN + _GAP_IN + 0.08, bottom, 0.1, height)
             middle = float(np.sqrt(ends[0] * ends[1]))
             bar = figure.colorbar(mesh, cax=bar_axes)
-            bar.set_ticks([ends[0], middle, ends[1]], labels=[number(x, 2) for x in (ends[0], middle, ends[1])])
+            bar.set_ticks(
+                [ends[0], middle, ends[1]], labels=[number(x, 2) for x in (ends[0], middle, ends[1])]
+            )
             bar.ax.minorticks_off()
             bar.ax.tick_params(labelsize=8)
             bar.ax.grid(visible=False)

@@ -37,7 +37,9 @@ _CAMERA: Mapping[str, str] = MappingProxyType(
     }
 )
 _STEP_DEG = 5
-_LEVEL_DEG = 10
+_LEVEL_DEG = 20
+"""Turns up to this are seen in the picture, and do not matter."""
+_UPRIGHT_DEG = 80
 
 
 def parameter(name: str) -> str:
@@ -95,7 +97,7 @@ def turn_words(held: Holding) -> str:
     if abs(degrees) <= _LEVEL_DEG:
         return ""
     rounded = _STEP_DEG * round(abs(degrees) / _STEP_DEG)
-    if rounded >= 90 - _LEVEL_DEG:
+    if rounded >= _UPRIGHT_DEG:
         return "on its side"
     return f"turned {rounded}° {'clockwise' if degrees > 0 else 'anticlockwise'}"
 

@@ -62,9 +62,7 @@ def holdings(
     ]
 
 
-def _held(
-    rig: StereoRig, board: Board, at: tuple[Array, Array], seen: tuple[bool, bool]
-) -> Holding:
+def _held(rig: StereoRig, board: Board, at: tuple[Array, Array], seen: tuple[bool, bool]) -> Holding:
     R, middle_left = at
     right_only = seen == (False, True)
     camera = rig.right if right_only else rig.left

@@ -27,8 +27,8 @@ class ProjectionMap:
 
 
 def projection_map(covariance: CalibrationCovariance, side: int, distance_m: float) -> ProjectionMap:
-    """Over the left (0) or right (1) picture, of points that are `distance_m` from that camera and stand fixed
-    among the boards."""
+    """Over the left (0) or right (1) picture, of points `distance_m` from that camera that stand fixed among
+    the boards."""
     camera = (covariance.rig.left, covariance.rig.right)[side]
     u, v = np.linspace(0, camera.width - 1, _ACROSS), np.linspace(0, camera.height - 1, _ACROSS)
     rays = camera.ray(np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2))

@@ -42,6 +42,8 @@ class Adjusted:
     """What was looked for."""
     settled: bool
     """Whether steps had become negligible."""
+    weights: Array | None = None
+    """What each corner's residuals (n, 2, m) were multiplied by; None is 1."""
 
     @property
     def rms_px(self) -> float:
@@ -52,11 +54,18 @@ class Adjusted:
     def information(self) -> BoardInformation:
         """What the boards tell, at the solution."""
         seen = np.isfinite(self.residuals[..., 0])
-        return board_information(self.rig, self.parameters, self.board, self.poses, seen)
+        return board_information(
+            self.rig, self.parameters, self.board, self.poses, seen, weights=self.weights
+        )
 
 
 def adjust(
-    rig: StereoRig, parameters: RigParameters, board: Board, poses: BoardPoses, observed: Array
+    rig: StereoRig,
+    parameters: RigParameters,
+    board: Board,
+    poses: BoardPoses,
+    observed: Array,
+    weights: Array | None = None,
 ) -> Adjusted:
     """The rig, poses and, if they are `parameters`, the board's warps that minimise the squared residuals.
 
@@ -67,9 +76,11 @@ def adjust(
         poses: Where to start, n of them.
         observed: Pixels (n, 2, m, 2) of each board's corners in the left and the right image; NaN where a
             camera did not see one.
+        weights: What each corner's residuals (n, 2, m) are multiplied by: 1 over its noise as a multiple of
+            the others'. By default 1.
     """
-    state, settled = _settled(_State.at(rig, parameters, board, poses, observed))
-    return Adjusted(state.rig, state.poses, state.board, state.residuals, parameters, settled)
+    state, settled = _settled(_State.at(rig, parameters, board, poses, observed, weights))
+    return Adjusted(state.rig, state.poses, state.board, state.residuals, parameters, settled, weights)
 
 
 def _settled(state: _State) -> tuple[_State, bool]:
@@ -77,7 +88,7 @@ def _settled(state: _State) -> tuple[_State, bool]:
     parameters, basis = state.parameters, state.parameters.basis(state.rig)
     damping, enough = _FIRST_DAMPING, _STILL_PX**2 * state.residuals.size
     for _ in range(_MOST_STEPS):
-        step, pose_steps = state.slopes.step(basis, damping, state.residuals)
+        step, pose_steps = state.slopes.step(basis, damping, state.weighted)
         try:
             trial = _State.at(
                 parameters.moved(state.rig, step),
@@ -85,6 +96,7 @@ def _settled(state: _State) -> tuple[_State, bool]:
                 parameters.warped_board(state.board, step),
                 state.poses.moved(pose_steps),
                 state.observed,
+                state.weights,
             )
             better = trial.cost <= state.cost
         except InvalidRig:
@@ -108,27 +120,44 @@ class _State:
     board: Board
     poses: BoardPoses
     observed: Array
+    weights: Array | None
     residuals: Array
     cost: float
     _slopes: list[_Slopes]
 
     @classmethod
     def at(
-        cls, rig: StereoRig, parameters: RigParameters, board: Board, poses: BoardPoses, observed: Array
+        cls,
+        rig: StereoRig,
+        parameters: RigParameters,
+        board: Board,
+        poses: BoardPoses,
+        observed: Array,
+        weights: Array | None,
     ) -> _State:
         residuals = observed - poses.project(rig, board)
         # a corner that is not explained at all must cost something: it counts as unseen only if it was
         lost = np.isfinite(observed) & ~np.isfinite(residuals)
-        cost = np.inf if lost.any() else float(np.nansum(residuals**2))
-        return cls(rig, parameters, board, poses, observed, residuals, cost, [])
+        cost = np.inf if lost.any() else float(np.nansum(_weighted(residuals, weights) ** 2))
+        return cls(rig, parameters, board, poses, observed, weights, residuals, cost, [])
+
+    @property
+    def weighted(self) -> Array:
+        """The residuals as they count."""
+        return _weighted(self.residuals, self.weights)
 
     @property
     def slopes(self) -> _Slopes:
         """Made when they are asked for: the last state's are not."""
         if not self._slopes:
             known = np.isfinite(self.residuals)
-            self._slopes.append(_Slopes.at(self.rig, self.parameters, self.board, self.poses, known))
+            counted = known if self.weights is None else known * self.weights[..., None]
+            self._slopes.append(_Slopes.at(self.rig, self.parameters, self.board, self.poses, counted))
         return self._slopes[0]
+
+
+def _weighted(residuals: Array, weights: Array | None) -> Array:
+    return residuals if weights is None else residuals * weights[..., None]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -141,10 +170,18 @@ class _Slopes:
 
     @classmethod
     def at(
-        cls, rig: StereoRig, parameters: RigParameters, board: Board, poses: BoardPoses, known: Mask
+        cls,
+        rig: StereoRig,
+        parameters: RigParameters,
+        board: Board,
+        poses: BoardPoses,
+        counted: Array | Mask,
     ) -> _Slopes:
         J, J_pose = slopes(rig, parameters, board, poses)
-        J[~known], J_pose[~known] = 0.0, 0.0
+        unknown = counted == 0
+        J[unknown], J_pose[unknown] = 0.0, 0.0
+        if counted.dtype != bool:
+            J, J_pose = J * counted[..., None], J_pose * counted[..., None]
         n, p = len(poses), len(parameters.names)
         flat, flat_pose = J.reshape(n, -1, p), J_pose.reshape(n, -1, 6)
         by_rig, by_pose = flat.transpose(0, 2, 1), flat_pose.transpose(0, 2, 1)

@@ -47,7 +47,7 @@ class BoardPoses:
             )
         if not np.isfinite(numbers).all():
             raise InvalidRange("board poses: every number must be finite")
-        return cls(_rotations(numbers[:, :3]), numbers[:, 3:])
+        return cls(rotations(numbers[:, :3]), numbers[:, 3:])
 
     def __len__(self) -> int:
         return len(self.t)
@@ -73,7 +73,7 @@ class BoardPoses:
 
     def moved(self, change: Array) -> BoardPoses:
         """Poses turned by ``exp([w]x) R`` and shifted, `change` (n, 6): w rad, shift m."""
-        return BoardPoses(_rotations(change[:, :3]) @ self.R, self.t + change[:, 3:])
+        return BoardPoses(rotations(change[:, :3]) @ self.R, self.t + change[:, 3:])
 
     def project(self, rig: StereoRig, board: Board) -> Array:
         """Pixels (n, 2, m, 2) of every board's m corners in the left and the right image; NaN where a
@@ -84,7 +84,7 @@ class BoardPoses:
         )
 
 
-def _rotations(rotvecs: Array) -> Array:
+def rotations(rotvecs: Array) -> Array:
     """Rodrigues' formula: rotations (n, 3, 3) of rotation vectors (n, 3), rad."""
     angle = np.linalg.norm(rotvecs, axis=1)[:, None, None]
     k = -minus_skew(rotvecs)

@@ -23,7 +23,8 @@ def with_warps(parameters: RigParameters) -> RigParameters:
 
 def without_warps(information: BoardInformation) -> BoardInformation:
     """What boards tell of everything but the warps, which are the last two parameters."""
-    return BoardInformation(information.rig[:, :-2, :-2], information.cross[:, :-2], information.pose)
+    root = None if information.root is None else information.root[:, :, :-2]
+    return BoardInformation(information.rig[:, :-2, :-2], information.cross[:, :-2], information.pose, root)
 
 
 def warp_moves(covariance: CalibrationCovariance, poses: BoardPoses, warping: BoardInformation) -> Array:

@@ -107,6 +107,7 @@ def board_information(
     seen: Mask | None = None,
     *,
     rooted: bool = True,
+    weights: Array | None = None,
 ) -> BoardInformation:
     """What each board tells of a rig's parameters.
 
@@ -117,6 +118,7 @@ def board_information(
         poses: Where it is held, n times.
         seen: Which cameras (n, 2), or corners of them (n, 2, m), count; by default all that are shown.
         rooted: Whether `BoardInformation.root` is found as well, which takes ten times as long.
+        weights: 1 over each corner's noise (n, 2, m) as a multiple of the others'; by default 1.
     """
     n, m, p = len(poses), board.rows * board.cols, len(parameters.names)
     roots: list[Array] = []
@@ -127,6 +129,8 @@ def board_information(
         if seen is not None:
             shown &= seen[part] if seen.ndim == 3 else seen[part][:, :, None]
         J[~shown], J_pose[~shown] = 0.0, 0.0
+        if weights is not None:
+            J, J_pose = (each * weights[part][..., None, None] for each in (J, J_pose))
         J, J_pose = J.reshape(len(J), -1, p), J_pose.reshape(len(J), -1, 6)
         transposed = J.transpose(0, 2, 1)
         told.rig[part], told.cross[part] = transposed @ J, transposed @ J_pose

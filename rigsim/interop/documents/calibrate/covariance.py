@@ -126,14 +126,15 @@ def covariance_part(covariance: CalibrationCovariance, source: Mapping[str, Any]
 
 def _rig(rig: StereoRig) -> CovarianceRig:
     return CovarianceRig(
-        left=_camera(rig.left),
-        right=_camera(rig.right),
+        left=camera_part(rig.left),
+        right=camera_part(rig.right),
         rotation=rig.right_from_left.R.tolist(),
         t_m=rig.right_from_left.t.tolist(),
     )
 
 
-def _camera(camera: Intrinsics) -> CovarianceCamera:
+def camera_part(camera: Intrinsics) -> CovarianceCamera:
+    """A camera, in full."""
     lens = camera.lens
     return CovarianceCamera(
         width_px=camera.width,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
@@ -16,6 +17,8 @@ from rigsim.interop.documents.calibrate.plan_models import (
     PlanDepth,
     PlanDepthPlace,
     PlanDocument,
+    PlanDrift,
+    PlanDriftDepth,
     PlanInseparable,
     PlanNext,
     PlanParameter,
@@ -31,6 +34,7 @@ from rigsim.interop.documents.text import clean
 from rigsim.rig.remark import Remark
 from rigsim.study.agreement.agreement import Agreement
 from rigsim.study.calibrate.depths import DepthStd
+from rigsim.study.calibrate.drift import Drift, drift
 from rigsim.study.calibrate.enough import enough
 from rigsim.study.calibrate.estimated import estimates
 from rigsim.study.calibrate.holding import Holding, holdings
@@ -41,7 +45,7 @@ from rigsim.theory.calibration.boards import BoardPoses
 
 
 class PlanSays(Protocol):
-    """The sentences of the document, made by whoever calls: `rigsim.present.calibrate.plan_words` has them."""
+    """The sentences of the document, made by whoever calls: `present.calibrate.plan_words` has them."""
 
     def headline(self, plan: CalibrationPlan) -> str:
         """The answer in one sentence."""
@@ -59,21 +63,29 @@ class PlanSays(Protocol):
         """Why witnesses do not agree; empty where they do."""
 
 
-def plan_document(
-    plan: CalibrationPlan,
-    says: PlanSays,
-    *,
-    command: str = "",
-    witnesses: Sequence[CalibrationWitness] = (),
-    remarks: Sequence[Remark] = (),
-    written: Written | None = None,
-) -> dict[str, Any]:
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanTold:
+    """What a plan's document tells besides."""
+
+    command: str = ""
+    """What made it."""
+    witnesses: Sequence[CalibrationWitness] = ()
+    """Whole calibrations."""
+    remarks: Sequence[Remark] = ()
+    """What is odd about it."""
+    complete: bool = True
+    """Whether all witnesses that were asked for are there."""
+    written: Written | None = None
+    """The files; None where none were written."""
+
+
+def plan_document(plan: CalibrationPlan, says: PlanSays, told: PlanTold) -> dict[str, Any]:
     """The plan with stable keys and units in their names; null where a number has no bound."""
     asked, needed = plan.asked, plan.needed
     board = asked.board
     square_mm = clean(board.square_m * 1e3)
     return PlanDocument(
-        command=command,
+        command=told.command,
         headline=_said(says.headline(plan)),
         sentences=[_said(sentence) for sentence in says.sentences(plan)],
         rig=seen_rig(asked.rig),
@@ -84,7 +96,10 @@ def plan_document(
         pictures=len(plan.poses),
         pictures_needed=needed.count,
         hindrance=needed.hindrance,
-        remedies=[PlanRemedy(change=one.code, joint_mm=one.joint_m * 1e3) for one in needed.remedies],
+        remedies=[
+            PlanRemedy.model_validate({"change": one.code, "joint_mm": one.joint_m * 1e3})
+            for one in needed.remedies
+        ],
         pictures_enough=enough(plan),
         curve=[
             PlanCurve(
@@ -109,10 +124,12 @@ def plan_document(
             for one in plan.inseparable
         ],
         projection=_projections(plan),
-        witnesses=[_witness(one, says) for one in witnesses],
+        witnesses=[_witness(one, says) for one in told.witnesses],
+        complete=told.complete,
+        drift=[_drift(one) for one in drift(asked.rig, asked.at_m)],
         covariance=covariance_part(plan.covariance, covariance_source(plan)),
-        remarks=[RemarkPart(code=remark.code, text=remark.text) for remark in remarks],
-        written=written,
+        remarks=[RemarkPart(code=remark.code, text=remark.text) for remark in told.remarks],
+        written=told.written,
     ).model_dump()
 
 
@@ -211,6 +228,22 @@ def _projections(plan: CalibrationPlan) -> list[PlanProjection]:
     return found
 
 
+def _drift(one: Drift) -> PlanDrift:
+    depths = [
+        PlanDriftDepth(z_m=z_m, axis_mm=axis_m * 1e3, image_mm=finite(image_m * 1e3))
+        for z_m, axis_m, image_m in zip(one.z_m, one.axis_m, one.image_m, strict=True)
+    ]
+    return PlanDrift.model_validate(
+        {
+            "cause": one.cause,
+            "amount": one.amount,
+            "unit": one.unit,
+            "source": one.source,
+            "depths": depths,
+        }
+    )
+
+
 def _witness(one: CalibrationWitness, says: PlanSays) -> PlanWitness:
     return PlanWitness.model_validate(
         {
@@ -219,6 +252,13 @@ def _witness(one: CalibrationWitness, says: PlanSays) -> PlanWitness:
             "failed": one.failed,
             "corner_noise_px": finite(one.corner_noise_px),
             "rms_px": finite(one.rms_px),
+            "misfit": finite(one.misfit),
+            "parameter_ratio": finite(one.parameter_ratio),
+            "parameter_ratio_low": finite(one.parameter_interval[0]),
+            "parameter_ratio_high": finite(one.parameter_interval[1]),
+            "boards": one.boards,
+            "unfound": one.unfound,
+            "by_opencv": one.by_opencv,
             "depths": [_witnessed(row) for row in one.depths],
             "agreement": one.agreement.kind,
             "says": says.agreement_words(one.agreement),

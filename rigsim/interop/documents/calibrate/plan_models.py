@@ -71,7 +71,7 @@ class PlanDepthPlace(PlanDepth):
     place: Literal["axis", "edge", "corner"]
     """The left optical axis; half way down the shared part of the picture at its outer end; its corner."""
     calibration_from_camera_mm: float
-    """From the calibration alone as the left camera counts it: where its lens's centre lies counts as well."""
+    """From the calibration alone as the left camera counts it: where its lens's centre lies counts too."""
 
 
 class PlanCurve(Part):
@@ -91,7 +91,7 @@ class PlanRemedy(Part):
     """One change of what was asked for, and the depth std with it and the most pictures."""
 
     change: Literal["tilt", "board", "range", "corner_noise", "flatness"]
-    """A tilt of 45 deg, a board twice as large, half the nearest distance, half the corner noise, a flat board."""
+    """A tilt of 45 deg, a board twice as large, half the nearest distance or corner noise, a flat board."""
     joint_mm: float
     """With the pixel noise of a match, mm."""
 
@@ -127,7 +127,23 @@ class PlanWitness(Part):
     corner_noise_px: float | None
     """Std of one coordinate of a corner: drawn, or found against the truth, px."""
     rms_px: float | None
-    """Median residual of the calibrations, as their user sees it, px."""
+    """Median over the calibrations of the root mean square residual of one coordinate, px; OpenCV tells
+    sqrt(2) times that."""
+    misfit: float | None
+    """Residuals over what corner noise alone leaves: 1 where the model can say what is true."""
+    parameter_ratio: float | None
+    """Spread of all parameters together over the predicted one; null where the model cannot say what is
+    true."""
+    parameter_ratio_low: float | None
+    """Lower end of its 95 % interval."""
+    parameter_ratio_high: float | None
+    """Upper end."""
+    boards: int
+    """Places of the board that each was made from."""
+    unfound: int
+    """Pictures, of those of one calibration, in which no board was found."""
+    by_opencv: bool
+    """Whether OpenCV calibrated; else rigsim's own least squares did."""
     depths: list[PlanWitnessDepth]
     """One a distance."""
     agreement: Literal["agrees", "flagged", "untold"]
@@ -186,7 +202,9 @@ class PlanInseparable(Part):
     """Two parameters that the boards hardly tell apart."""
 
     first: str
+    """Name of the one."""
     second: str
+    """Name of the other."""
     correlation: float
     """Of their errors, -1 to 1."""
 
@@ -206,8 +224,35 @@ class PlanProjection(Part):
     """Where it is most, px."""
 
 
+class PlanDriftDepth(Part):
+    """The depth error of one change at one distance."""
+
+    z_m: float
+    """Distance, m."""
+    axis_mm: float
+    """On the left optical axis, mm; positive is too far."""
+    image_mm: float | None
+    """Root mean square over the part of the image that both cameras see, mm; null where they share none."""
+
+
+class PlanDrift(Part):
+    """One change after the calibration, of a size that people meet; errors are in proportion to it."""
+
+    cause: Literal["bar_warmer", "lenses_warmer", "knock", "refocus"]
+    """The bar that holds the cameras is warmer; both lenses are; the right camera is turned; the right lens
+    is focused anew."""
+    amount: float
+    """How large it is."""
+    unit: str
+    """Of the amount: K, deg, or % of the focal length."""
+    source: str
+    """Where the size comes from: aluminium, estimate, or a class of the tolerance study."""
+    depths: list[PlanDriftDepth]
+    """One a distance."""
+
+
 class PlanDocument(Part):
-    """A planned calibration: what its pictures leave of the depth, how many there must be, where to hold it."""
+    """A planned calibration: what its pictures leave of the depth, how many it takes, where to hold it."""
 
     command: str
     """What made it."""
@@ -250,6 +295,10 @@ class PlanDocument(Part):
     """At the depth that poses are chosen for, and infinitely far."""
     witnesses: list[PlanWitness]
     """Simulated and measured calibrations beside the prediction; empty without --verify."""
+    complete: bool
+    """Whether all of them are there; false after Ctrl-C."""
+    drift: list[PlanDrift]
+    """What changes after the calibration, and is in none of these numbers."""
     covariance: CovarianceDocument
     """The joint covariance of all parameters: what `rigsim tolerance`, `design` and `sweep` read."""
     remarks: list[RemarkPart]

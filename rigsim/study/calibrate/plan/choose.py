@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.board import Board
-from rigsim.study.calibrate.plan.reach import Reached
+from rigsim.study.calibrate.plan.reach import ReachedPoses
 from rigsim.study.calibrate.plan.terms import DepthTerms, Sums
 
 Picks: TypeAlias = list[int]
@@ -23,7 +23,7 @@ _WORTH = 1e-3
 """Share of the loss that an exchange must save."""
 
 
-def choose(terms: DepthTerms, reached: Reached, close: Mask, count: int) -> Picks:
+def choose(terms: DepthTerms, reached: ReachedPoses, close: Mask, count: int) -> Picks:
     """`count` of the poses, best first: any number of the first ones is a good choice too. Poses that are
     `close` (n, n) to each other are not both taken.
 
@@ -39,7 +39,7 @@ def choose(terms: DepthTerms, reached: Reached, close: Mask, count: int) -> Pick
 
 
 def extended(
-    terms: DepthTerms, reached: Reached, picks: Picks, count: int, close: Mask | None = None
+    terms: DepthTerms, reached: ReachedPoses, picks: Picks, count: int, close: Mask | None = None
 ) -> Picks:
     """`picks` and the best next ones, `count` in all; none that is `close` (n, n) to another if that is said,
     unless all are."""
@@ -59,7 +59,7 @@ def extended(
     return picks
 
 
-def ordered(terms: DepthTerms, reached: Reached, picks: Picks) -> Picks:
+def ordered(terms: DepthTerms, reached: ReachedPoses, picks: Picks) -> Picks:
     """The same poses, best first: the last one is the one that is missed the least, and so on."""
     left, last = list(picks), []
     sums = terms.boards.chosen(left).total()
@@ -75,7 +75,7 @@ def ordered(terms: DepthTerms, reached: Reached, picks: Picks) -> Picks:
     return left + last[::-1]
 
 
-def alike(reached: Reached, board: Board) -> Mask:
+def alike(reached: ReachedPoses, board: Board) -> Mask:
     """Which poses (n, n) are nearly the same to whom holds the board; each is like itself."""
     (w, h), poses = board.size_m, reached.poses
     corners = poses.points_left(np.array([[0.0, 0, 0], [w, 0, 0], [w, h, 0], [0, h, 0]]))
@@ -94,7 +94,7 @@ def _best(terms: DepthTerms, sums: Sums, allowed: Mask) -> tuple[int, float]:
     return int(places[best]), float(loss[best])
 
 
-def _exchanged(terms: DepthTerms, reached: Reached, picks: Picks, close: Mask) -> bool:
+def _exchanged(terms: DepthTerms, reached: ReachedPoses, picks: Picks, close: Mask) -> bool:
     """Exchange each pick for the best pose in its place; whether any was."""
     any_better = False
     sums = terms.boards.chosen(picks).total()

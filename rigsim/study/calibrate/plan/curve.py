@@ -10,7 +10,7 @@ from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.study.calibrate.plan.asked import LEAST_POSES, MOST_POSES, PlanAsked
 from rigsim.study.calibrate.plan.choose import Picks, alike, extended
-from rigsim.study.calibrate.plan.reach import Reached
+from rigsim.study.calibrate.plan.reach import ReachedPoses
 from rigsim.study.calibrate.plan.result import CurvePoint, NextPose
 from rigsim.study.calibrate.plan.terms import DepthTerms, Sums
 from rigsim.theory.uncertainty import predict_depth_std
@@ -21,10 +21,10 @@ _DRAWS = 15
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Places:
+class PosePool:
     """All poses that count: first those that were given, if any, then those that could be held."""
 
-    reached: Reached
+    reached: ReachedPoses
     """The poses."""
     terms: DepthTerms
     """What they do to the depth that counts."""
@@ -34,7 +34,7 @@ class Places:
     """Which are nearly the same (n, n)."""
 
     @classmethod
-    def of(cls, asked: PlanAsked, terms: DepthTerms, reached: Reached, given: int) -> Places:
+    def of(cls, asked: PlanAsked, terms: DepthTerms, reached: ReachedPoses, given: int) -> PosePool:
         """With what is derived."""
         return cls(reached, terms, given, alike(reached, asked.board))
 
@@ -56,7 +56,9 @@ def observation_std(asked: PlanAsked, z_m: float) -> float:
     return float(predict_depth_std(asked.rig, [[0.0, 0.0, z_m]], PixelNoise(asked.noise_px))[0])
 
 
-def curve(asked: PlanAsked, places: Places, picks: Picks, rng: np.random.Generator) -> tuple[CurvePoint, ...]:
+def curve(
+    asked: PlanAsked, places: PosePool, picks: Picks, rng: np.random.Generator
+) -> tuple[CurvePoint, ...]:
     """From the fewest pictures to as many as `picks`, which are best first."""
     stds, random = places.stds(picks), _random_stds(places, len(picks), rng)
     joint = np.hypot(stds, observation_std(asked, asked.chosen_for_m))
@@ -66,7 +68,7 @@ def curve(asked: PlanAsked, places: Places, picks: Picks, rng: np.random.Generat
     )
 
 
-def first_that_meets(asked: PlanAsked, places: Places, picks: Picks) -> tuple[int | None, Picks]:
+def first_that_meets(asked: PlanAsked, places: PosePool, picks: Picks) -> tuple[int | None, Picks]:
     """The fewest of `picks`, and of the best that follow, that meet the goal's depth error; and all tried."""
     if asked.goal is None:
         return None, picks
@@ -82,7 +84,7 @@ def first_that_meets(asked: PlanAsked, places: Places, picks: Picks) -> tuple[in
         picks = more
 
 
-def next_pose(places: Places, picks: Picks) -> NextPose | None:
+def next_pose(places: PosePool, picks: Picks) -> NextPose | None:
     """Where one more board does the most beside `picks`; None where none can be held anywhere."""
     if len(places.reached) == places.given:
         return None
@@ -91,14 +93,16 @@ def next_pose(places: Places, picks: Picks) -> NextPose | None:
         allowed = np.arange(places.given, len(places.reached))
     sums, terms = places.sums(picks), places.terms
     with_it = sums.plus(terms.boards.chosen(allowed))
-    best = int(np.argmin(terms.loss(with_it)))
+    axis, now = terms.axis_variance(with_it), terms.axis_variance(sums)
+    # not one that helps elsewhere at the axis's cost, if there is any other
+    best = int(np.argmin(np.where(axis < now, terms.loss(with_it), np.inf) if (axis < now).any() else axis))
     found = places.reached.chosen(allowed[best : best + 1])
     left, right = found.seen[0]
-    gain = float(np.sqrt(terms.axis_variance(with_it.chosen(best)) / terms.axis_variance(sums)))
+    gain = float(np.sqrt(axis[best] / now))
     return NextPose(found.poses.rows[0], (bool(left), bool(right)), gain)
 
 
-def _random_stds(places: Places, count: int, rng: np.random.Generator) -> Array:
+def _random_stds(places: PosePool, count: int, rng: np.random.Generator) -> Array:
     """Median depth std (count,) m of the first one, two, ... of random poses that both cameras see."""
     both = np.flatnonzero(places.reached.both)
     both = both[both >= places.given]

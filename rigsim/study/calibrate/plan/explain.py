@@ -11,15 +11,18 @@ from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.calibrate.plan.asked import PlanAsked
 from rigsim.study.calibrate.plan.held import smallest_square_px
-from rigsim.study.calibrate.plan.reach import LEAST_SQUARE_PX, Reached
+from rigsim.study.calibrate.plan.reach import LEAST_SQUARE_PX, ReachedPoses
 from rigsim.theory.calibration.boards import BoardPoses
+from rigsim.theory.calibration.covariance import CalibrationCovariance
 
 _NO_TILT_RAD = math.radians(2)
+_BESIDE = 1e-3
+"""So far off its axis a camera's scale is taken, a share of the distance."""
 _MIDDLE = 0.5
 """Share of the half diagonal of a picture; within, a lens bends little."""
 
 
-def check_shared(reached: Reached) -> None:
+def check_shared(reached: ReachedPoses) -> None:
     """Refuse boards none of which both cameras see: where the cameras stand is open."""
     if not len(reached):
         raise CalibrationUndetermined(
@@ -35,7 +38,7 @@ def check_shared(reached: Reached) -> None:
         )
 
 
-def undetermined(asked: PlanAsked, reached: Reached, names: tuple[str, ...]) -> CalibrationUndetermined:
+def undetermined(asked: PlanAsked, reached: ReachedPoses, names: tuple[str, ...]) -> CalibrationUndetermined:
     """What to say of boards that leave `names` open."""
     n = len(reached)
     tilt = largest_tilt_rad(asked.rig, reached.poses)
@@ -83,13 +86,13 @@ def largest_tilt_rad(rig: StereoRig, poses: BoardPoses) -> float:
     return float(tilts_rad(rig, poses).max(initial=0.0))
 
 
-def typical_square_px(asked: PlanAsked, reached: Reached) -> float:
+def typical_square_px(asked: PlanAsked, reached: ReachedPoses) -> float:
     """Median of the boards' smallest squares, px."""
     sizes = smallest_square_px(reached.poses.project(asked.rig, asked.board), asked.board)
     return float(np.median(sizes[reached.seen]))
 
 
-def farthest_out(asked: PlanAsked, reached: Reached) -> float:
+def farthest_out(asked: PlanAsked, reached: ReachedPoses) -> float:
     """How far out a corner of a board is in either picture, as a share of the half diagonal."""
     uv = reached.poses.project(asked.rig, asked.board)
     out = 0.0
@@ -99,6 +102,22 @@ def farthest_out(asked: PlanAsked, reached: Reached) -> float:
         if seen.size:
             out = max(out, float(np.linalg.norm(seen - middle, axis=-1).max() / np.linalg.norm(middle)))
     return out
+
+
+def focal_openness(covariance: CalibrationCovariance) -> float:
+    """Largest standard deviation of a camera's scale on its axis, as a share of it.
+
+    That of the focal length, whatever a lens's coefficients do to it.
+    """
+    rig, parameters, found = covariance.rig, covariance.parameters, 0.0
+    beside = np.array([[_BESIDE, 0, 1], [-_BESIDE, 0, 1], [0, _BESIDE, 1], [0, -_BESIDE, 1]])
+    for side, camera in enumerate((rig.left, rig.right)):
+        own = parameters.columns(side)
+        slopes = parameters.camera_slopes(rig, side, beside)
+        scale = np.stack([slopes[0, 0] - slopes[1, 0], slopes[2, 1] - slopes[3, 1]]) / (2 * _BESIDE)
+        variance = np.einsum("kp,pq,kq->k", scale, covariance.matrix[own, own], scale)
+        found = max(found, float((np.sqrt(np.maximum(variance, 0)) / np.abs(camera.axial_focal_px)).max()))
+    return found
 
 
 def _some(names: tuple[str, ...]) -> str:

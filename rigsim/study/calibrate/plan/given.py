@@ -10,13 +10,13 @@ from rigsim.rig.arrays import Mask
 from rigsim.rig.remark import Remark
 from rigsim.study.calibrate.plan.asked import PlanAsked
 from rigsim.study.calibrate.plan.held import middle_of, smallest_square_px
-from rigsim.study.calibrate.plan.reach import LEAST_SQUARE_PX, Reached
+from rigsim.study.calibrate.plan.reach import LEAST_SQUARE_PX, ReachedPoses
 from rigsim.theory.calibration.boards import BoardPoses, whole
 
 _MOST_NUMBERS = 12
 
 
-def counted(asked: PlanAsked, poses: BoardPoses) -> tuple[Reached, tuple[Remark, ...]]:
+def counted(asked: PlanAsked, poses: BoardPoses) -> tuple[ReachedPoses, tuple[Remark, ...]]:
     """The poses that a camera sees whole, and what is odd about the others."""
     uv = poses.project(asked.rig, asked.board)
     seen = whole(asked.rig, uv)
@@ -50,7 +50,7 @@ def counted(asked: PlanAsked, poses: BoardPoses) -> tuple[Reached, tuple[Remark,
             )
         )
     kept = np.asarray(seen.any(axis=1))
-    return Reached(poses.chosen(kept), seen[kept]), tuple(remarks)
+    return ReachedPoses(poses.chosen(kept), seen[kept]), tuple(remarks)
 
 
 def _left_out(asked: PlanAsked, poses: BoardPoses, seen: Mask) -> list[Remark]:

@@ -10,10 +10,10 @@ from rigsim.rig.arrays import Array
 from rigsim.rig.board import Board
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.study.calibrate.plan.asked import PlanAsked, Reach
-from rigsim.theory.calibration.boards import BoardPoses
+from rigsim.theory.calibration.boards import BoardPoses, rotations
 
 _ROLL_RAD = math.radians(15)
-_STILL_FLAT_RAD = math.radians(40)
+_STILL_FLAT_RAD = math.radians(55)
 """A board this far off the axis still stands parallel to the picture; farther out it faces the camera."""
 
 
@@ -40,17 +40,6 @@ def facing(board: Board, middle: Array, turn: Array) -> BoardPoses:
     base = rotations(np.column_stack([-rays[:, 1] * toward, rays[:, 0] * toward, 0 * toward]))
     R = base @ turn
     return BoardPoses(R, middle - R @ middle_of(board))
-
-
-def rotations(rotvecs: Array) -> Array:
-    """Rotations (n, 3, 3) of rotation vectors (n, 3), rad."""
-    angle = np.linalg.norm(rotvecs, axis=1)[:, None, None]
-    k = np.zeros((len(rotvecs), 3, 3))
-    x, y, z = rotvecs.T
-    k[:, 0, 1], k[:, 0, 2], k[:, 1, 2] = -z, y, -x
-    k -= k.transpose(0, 2, 1)
-    half = np.sinc(angle / (2 * np.pi))
-    return np.asarray(np.eye(3) + np.sinc(angle / np.pi) * k + 0.5 * half**2 * (k @ k))
 
 
 def middle_of(board: Board) -> Array:

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
+import numpy as np
+
 from rigsim.errors import InvalidRange
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.distortion import BrownConrady
@@ -77,13 +79,20 @@ def in_model(rig: StereoRig, model: type[Lens]) -> tuple[StereoRig, tuple[Remark
     )
 
 
+def _bends_nothing(lens: Lens) -> bool:
+    """Whether a pinhole shows the same."""
+    across = np.linspace(-1.0, 1.0, 9)
+    image = np.stack(np.meshgrid(across, across), axis=-1).reshape(-1, 2)
+    return bool(np.allclose(lens.bent(image), image, rtol=0, atol=1e-12))
+
+
 def _in_model(camera: Intrinsics, model: type[Lens]) -> Fitted | None:
     """The camera in `model`, exactly if that holds it."""
     lens = camera.lens
     if isinstance(lens, model):
         return Fitted(camera, 0.0, 0.0)
-    if lens is None and issubclass(model, BrownConrady | Rational):
-        return Fitted(replace(camera, lens=model()), 0.0, 0.0)
+    if lens is None and _bends_nothing(model()):
+        return Fitted(camera, 0.0, 0.0)
     if isinstance(lens, BrownConrady) and issubclass(model, Rational):
         wider = model(**{name: getattr(lens, name) for name in lens.names()})
         return Fitted(replace(camera, lens=wider), 0.0, 0.0)

@@ -11,7 +11,7 @@ import numpy as np
 from rigsim.errors import InvalidRange
 from rigsim.study.calibrate.plan.asked import MOST_POSES, PlanAsked
 from rigsim.study.calibrate.plan.choose import Picks, extended
-from rigsim.study.calibrate.plan.curve import Places, first_that_meets, observation_std
+from rigsim.study.calibrate.plan.curve import PosePool, first_that_meets, observation_std
 from rigsim.study.calibrate.plan.reach import random_poses
 from rigsim.study.calibrate.plan.result import PicturesNeeded, Remedy
 from rigsim.study.calibrate.plan.terms import depth_terms
@@ -20,7 +20,7 @@ _TILT_RAD = math.radians(45)
 _FEW, _CANDIDATES = 20, 150
 
 
-def pictures_needed(asked: PlanAsked, places: Places, picks: Picks) -> tuple[PicturesNeeded, Picks]:
+def pictures_needed(asked: PlanAsked, places: PosePool, picks: Picks) -> tuple[PicturesNeeded, Picks]:
     """The fewest pictures that meet the goal, and the poses that were looked at, best first."""
     if asked.goal is None:
         return PicturesNeeded(None), picks

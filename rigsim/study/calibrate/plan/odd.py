@@ -10,26 +10,31 @@ from rigsim.rig.arrays import Array
 from rigsim.rig.remark import Remark
 from rigsim.study.calibrate.plan.asked import PlanAsked
 from rigsim.study.calibrate.plan.choose import LEAST_SHARED
-from rigsim.study.calibrate.plan.explain import largest_tilt_rad
-from rigsim.study.calibrate.plan.reach import Reached
+from rigsim.study.calibrate.plan.explain import focal_openness, largest_tilt_rad
+from rigsim.study.calibrate.plan.reach import ReachedPoses
+from rigsim.theory.calibration.covariance import CalibrationCovariance
 
 _LITTLE_TILT_RAD = math.radians(15)
+_HARDLY_SURE = 1e-3
+"""Of a focal length: what its calibration is well known to reach."""
 _SMALL_PART = 0.5
 _CELLS = (12, 9)
 _FEW = 6
 _FEW_PLACES = 60
 
 
-def oddities(asked: PlanAsked, reached: Reached) -> tuple[Remark, ...]:
+def oddities(
+    reached: ReachedPoses, covariance: CalibrationCovariance, asked: PlanAsked
+) -> tuple[Remark, ...]:
     """Remarks on the boards that are held."""
     remarks = []
-    tilt = largest_tilt_rad(asked.rig, reached.poses)
-    if tilt < _LITTLE_TILT_RAD:
+    tilt, open_to = largest_tilt_rad(asked.rig, reached.poses), focal_openness(covariance)
+    if tilt < _LITTLE_TILT_RAD and open_to > _HARDLY_SURE:
         remarks.append(
             Remark(
                 "little_tilt",
-                f"no board is tilted by more than {math.degrees(tilt):.2g} deg: focal lengths and distances"
-                " are hardly told apart; tilt some by 30 deg and more, about different axes",
+                f"no board is tilted by more than {math.degrees(tilt):.2g} deg: focal lengths stay open to"
+                f" {open_to:.2%}, and distances with them; tilt some by 30 deg and more, about any axis",
             )
         )
     shares = covered(asked, reached)
@@ -74,7 +79,7 @@ def little_room(found: int) -> tuple[Remark, ...]:
     )
 
 
-def covered(asked: PlanAsked, reached: Reached) -> tuple[float, float]:
+def covered(asked: PlanAsked, reached: ReachedPoses) -> tuple[float, float]:
     """Share of each picture that corners reach: cells of a grid with one in it or beside one in it."""
     uv = reached.poses.project(asked.rig, asked.board)
     sizes = [(camera.width, camera.height) for camera in (asked.rig.left, asked.rig.right)]

@@ -20,13 +20,13 @@ LEAST_SQUARE_PX = 6.0
 _MOST_OBLIQUE_RAD = math.radians(65)
 """Most between a board's normal and the line of sight, unless the tilt that was asked for is more."""
 _BATCH = 4096
-_MOST_BATCHES = 12
+_MOST_BATCHES = 8
 _ENOUGH_BATCHES = 3
 """After so many a few poses will do."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Reached:
+class ReachedPoses:
     """Poses, and which cameras see each whole."""
 
     poses: BoardPoses
@@ -42,16 +42,16 @@ class Reached:
         """Which both cameras see, (n,)."""
         return np.asarray(self.seen.all(axis=1))
 
-    def chosen(self, which: Chosen) -> Reached:
+    def chosen(self, which: Chosen) -> ReachedPoses:
         """Some of them."""
-        return Reached(self.poses.chosen(which), self.seen[which])
+        return ReachedPoses(self.poses.chosen(which), self.seen[which])
 
-    def joined(self, other: Reached) -> Reached:
+    def joined(self, other: ReachedPoses) -> ReachedPoses:
         """These, then those."""
-        return Reached(self.poses.joined(other.poses), np.concatenate([self.seen, other.seen]))
+        return ReachedPoses(self.poses.joined(other.poses), np.concatenate([self.seen, other.seen]))
 
 
-def random_poses(asked: PlanAsked, count: int, rng: np.random.Generator, alone: int = 0) -> Reached:
+def random_poses(asked: PlanAsked, count: int, rng: np.random.Generator, alone: int = 0) -> ReachedPoses:
     """`count` random poses that both cameras see whole, and up to `alone` that one camera alone does.
 
     Fewer if they are hard to find.
@@ -71,7 +71,7 @@ def random_poses(asked: PlanAsked, count: int, rng: np.random.Generator, alone: 
     return shared.chosen(slice(0, count)).joined(single.chosen(slice(0, alone)))
 
 
-def reachable(asked: PlanAsked, poses: BoardPoses) -> Reached:
+def reachable(asked: PlanAsked, poses: BoardPoses) -> ReachedPoses:
     """Those poses that a camera sees whole, large and straight enough for a finder, within the reach."""
     rig, board, reach = asked.rig, asked.board, asked.reach
     middle = poses.points_left(middle_of(board)[None])[:, 0]
@@ -86,11 +86,11 @@ def reachable(asked: PlanAsked, poses: BoardPoses) -> Reached:
     uv = poses.project(rig, board)
     seen &= whole(rig, uv, reach.margin_px) & (smallest_square_px(uv, board) >= LEAST_SQUARE_PX)
     some = np.asarray(seen.any(axis=1))
-    return Reached(poses.chosen(some), seen[some])
+    return ReachedPoses(poses.chosen(some), seen[some])
 
 
-def _none() -> Reached:
-    return Reached(BoardPoses.of(np.zeros((0, 6))), np.zeros((0, 2), dtype=bool))
+def _none() -> ReachedPoses:
+    return ReachedPoses(BoardPoses.of(np.zeros((0, 6))), np.zeros((0, 2), dtype=bool))
 
 
 def _rim(board: Board) -> Array:

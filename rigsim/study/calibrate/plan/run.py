@@ -13,12 +13,12 @@ from rigsim.rig.remark import Remark
 from rigsim.study.calibrate.depths import depth_stds
 from rigsim.study.calibrate.plan.asked import PlanAsked
 from rigsim.study.calibrate.plan.choose import Picks, choose
-from rigsim.study.calibrate.plan.curve import LONG, Places, curve, next_pose
-from rigsim.study.calibrate.plan.explain import check_shared, undetermined
+from rigsim.study.calibrate.plan.curve import LONG, PosePool, curve, next_pose
+from rigsim.study.calibrate.plan.explain import check_shared, focal_openness, undetermined
 from rigsim.study.calibrate.plan.given import counted
 from rigsim.study.calibrate.plan.needed import pictures_needed
 from rigsim.study.calibrate.plan.odd import little_room, oddities
-from rigsim.study.calibrate.plan.reach import Reached, random_poses
+from rigsim.study.calibrate.plan.reach import ReachedPoses, random_poses
 from rigsim.study.calibrate.plan.result import CalibrationPlan, Inseparable
 from rigsim.study.calibrate.plan.terms import depth_terms, plan_information
 from rigsim.theory.calibration.covariance import CalibrationCovariance, Undetermined, covariance_of
@@ -27,6 +27,8 @@ from rigsim.theory.calibration.flatness import warp_moves
 CANDIDATES, ALONE = 450, 100
 """Poses among which is chosen: that both cameras see, and that one alone does."""
 _HARDLY_APART = 0.9
+_HARDLY_KNOWN = 0.1
+"""Share of itself that a focal length is open to: nothing of first order holds beyond."""
 _MOST_PAIRS = 8
 
 
@@ -53,11 +55,11 @@ def run_plan(asked: PlanAsked) -> CalibrationPlan:
         needed=needed,
         next_pose=next_pose(places, picks),
         inseparable=inseparable(covariance),
-        remarks=(*remarks, *oddities(asked, held)),
+        remarks=(*remarks, *oddities(held, covariance, asked)),
     )
 
 
-def plan_covariance(asked: PlanAsked, held: Reached) -> CalibrationCovariance:
+def plan_covariance(asked: PlanAsked, held: ReachedPoses) -> CalibrationCovariance:
     """What boards leave of the rig, whose warp nobody knows if `flatness_m` says so.
 
     Raises:
@@ -65,7 +67,7 @@ def plan_covariance(asked: PlanAsked, held: Reached) -> CalibrationCovariance:
     """
     check_shared(held)
     parameters, noise_px = asked.parameters, asked.corner_noise_px
-    told, warping = plan_information(asked, held)
+    told, warping = plan_information(asked, held, rooted=True)
     known = np.zeros(len(parameters.names))
     if parameters.warped and asked.flatness_m:
         known[parameters.warp] = asked.flatness_m**-2
@@ -73,6 +75,9 @@ def plan_covariance(asked: PlanAsked, held: Reached) -> CalibrationCovariance:
         found = covariance_of(asked.rig, parameters, held.poses, told, noise_px, np.diag(known))
     except Undetermined as error:
         raise undetermined(asked, held, error.names) from None
+    open_to = focal_openness(found)
+    if open_to > _HARDLY_KNOWN:
+        raise undetermined(asked, held, ("the focal lengths",))
     if parameters.warped or not asked.flatness_m:
         return found
     per_px = replace(found, matrix=found.matrix / noise_px**2)
@@ -93,13 +98,13 @@ def inseparable(covariance: CalibrationCovariance) -> tuple[Inseparable, ...]:
     return tuple(sorted(pairs, key=lambda pair: -abs(pair.correlation))[:_MOST_PAIRS])
 
 
-def _places(asked: PlanAsked, rng: np.random.Generator) -> tuple[Places, Picks, tuple[Remark, ...]]:
+def _places(asked: PlanAsked, rng: np.random.Generator) -> tuple[PosePool, Picks, tuple[Remark, ...]]:
     """All poses that count, which of them are held, and what is odd about them."""
     if isinstance(asked.poses, int):
         reached = random_poses(asked, CANDIDATES, rng, ALONE)
         remarks = little_room(int(reached.both.sum()))
         terms = depth_terms(asked, reached, asked.chosen_for_m)
-        places = Places.of(asked, terms, reached, 0)
+        places = PosePool.of(asked, terms, reached, 0)
         return places, choose(terms, reached, places.close, asked.poses), remarks
     held, remarks = counted(asked, asked.poses)
     check_shared(held)
@@ -109,4 +114,4 @@ def _places(asked: PlanAsked, rng: np.random.Generator) -> tuple[Places, Picks, 
         reached = held
         remarks = (*remarks, Remark("no_next", f"no next pose: {error}"))
     terms = depth_terms(asked, reached, asked.chosen_for_m)
-    return Places.of(asked, terms, reached, len(held)), list(range(len(held))), remarks
+    return PosePool.of(asked, terms, reached, len(held)), list(range(len(held))), remarks

@@ -18,7 +18,7 @@ from rigsim.errors import InvalidRange
 from rigsim.rig.arrays import Array
 from rigsim.study.calibrate.depths import PLACES, point_at
 from rigsim.study.calibrate.plan.asked import PlanAsked
-from rigsim.study.calibrate.plan.reach import Reached
+from rigsim.study.calibrate.plan.reach import ReachedPoses
 from rigsim.theory.calibration.boards import Chosen
 from rigsim.theory.calibration.covariance import CalibrationCovariance, about_camera
 from rigsim.theory.calibration.flatness import with_warps, without_warps
@@ -27,7 +27,8 @@ from rigsim.theory.calibration.parameters import CAMERA
 
 _TURN_RAD, _FOCAL, _PRINCIPAL, _BASELINE = 0.3, 0.3, 0.2, 1.0
 """Prior of what is not known yet: shares of the focal length, the picture's width, the baseline."""
-_LEAST_EIGENVALUE = 1e-10
+_NEXT_TO_NOTHING, _TOLD = 1e-5, 0.05
+"""A prior that is as much weaker may change a variance by that share, or boards leave it open."""
 _OUTER = 0.3
 """What the depths at the edge and in the corner of the picture count beside the one on the axis: boards that
 were chosen for the axis alone leave the rest of the picture to chance."""
@@ -110,25 +111,27 @@ class DepthTerms:
 
         Not `regular`: with the weak prior, so that they are finite always.
         """
-        A, n = sums.A + np.diag(self.known), np.maximum(sums.n, 1)
-        if regular:
-            size = np.sqrt(np.maximum(np.einsum("...ii->...i", A), 1e-300))
-            least = np.linalg.eigvalsh(A / size[..., None] / size[..., None, :])[..., 0]
-            A = np.where((least > _LEAST_EIGENVALUE)[..., None, None], A, np.eye(self.c.shape[1]))
-        else:
-            A = A + np.diag(self.prior)
-        v = self.c + sums.g / n[..., None, None]
-        x = np.linalg.solve(A, np.swapaxes(v, -1, -2))
+        with_prior = self._variances(sums, self.prior)
+        if not regular:
+            return with_prior
+        # what boards tell does not hang on what was known before
+        found = self._variances(sums, _NEXT_TO_NOTHING * self.prior)
+        told = np.abs(with_prior - found) <= _TOLD * found
+        return np.where(told, found, np.inf)
+
+    def _variances(self, sums: Sums, prior: Array) -> Array:
+        A, n = sums.A + np.diag(self.known + prior), np.maximum(sums.n, 1)
+        size = 1 / np.sqrt(np.einsum("...ii->...i", A))
+        v = (self.c + sums.g / n[..., None, None]) * size[..., None, :]
+        x = np.linalg.solve(A * size[..., None] * size[..., None, :], np.swapaxes(v, -1, -2))
         found = np.einsum("...kq,...qk->...k", v, x) + sums.s / n[..., None] ** 2
         if self.flatness_m:
-            astray = np.swapaxes(x, -1, -2) @ sums.b + sums.h / n[..., None, None]
+            astray = np.swapaxes(x * size[..., None], -1, -2) @ sums.b + sums.h / n[..., None, None]
             found = found + self.flatness_m**2 * np.sum(astray**2, axis=-1)
-        if regular:
-            found = np.where((least > _LEAST_EIGENVALUE)[..., None], found, np.inf)
         return np.asarray(found)
 
 
-def depth_terms(asked: PlanAsked, reached: Reached, z_m: float) -> DepthTerms:
+def depth_terms(asked: PlanAsked, reached: ReachedPoses, z_m: float) -> DepthTerms:
     """The terms of every pose that was reached, for depths on the left axis and farther out.
 
     Raises:
@@ -162,15 +165,17 @@ def depth_terms(asked: PlanAsked, reached: Reached, z_m: float) -> DepthTerms:
     return replace(terms, weights=np.array([1.0, *[_OUTER] * (len(moves) - 1)]) / usual)
 
 
-def plan_information(asked: PlanAsked, reached: Reached) -> tuple[BoardInformation, BoardInformation]:
+def plan_information(
+    asked: PlanAsked, reached: ReachedPoses, *, rooted: bool
+) -> tuple[BoardInformation, BoardInformation]:
     """What boards tell of the parameters, and of them and the warps (the same if those are parameters)."""
     wider = with_warps(asked.parameters) if asked.flatness_m else asked.parameters
-    told = board_information(asked.rig, wider, asked.board, reached.poses, reached.seen)
+    told = board_information(asked.rig, wider, asked.board, reached.poses, reached.seen, rooted=rooted)
     return (told if wider is asked.parameters else without_warps(told)), told
 
 
-def _boards(asked: PlanAsked, reached: Reached, basis: Array, frame: Array) -> Sums:
-    told, warping = plan_information(asked, reached)
+def _boards(asked: PlanAsked, reached: ReachedPoses, basis: Array, frame: Array) -> Sums:
+    told, warping = plan_information(asked, reached, rooted=False)
     n, noise, q = len(reached), asked.corner_noise_px, basis.shape[1]
     about = frame @ about_camera(reached.poses)  # (n, k, 6)
     reduced = basis.T @ told.reduced @ basis

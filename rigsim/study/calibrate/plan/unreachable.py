@@ -16,6 +16,8 @@ Seen = Callable[[PlanAsked, BoardPoses], bool]
 """Whether both cameras see one of the poses whole, of what is asked for."""
 _STEP = 1.1
 _FARTHEST = 60
+_ROOM = 1.25
+"""Beyond what only just fits."""
 _GRID = (13, 9)
 
 
@@ -27,9 +29,9 @@ def out_of_reach(asked: PlanAsked, seen: Seen) -> InvalidRange:
     ways = []
     for steps in range(1, _FARTHEST):
         farther, nearer = far * _STEP**steps, near / _STEP**steps
-        for distance, words in ((farther, "farther off"), (nearer, "nearer")):
+        for distance, room, words in ((farther, _ROOM, "farther off"), (nearer, 1 / _ROOM, "nearer")):
             if _at(asked, distance, seen):
-                ways.append(f"hold it {words}, as at {_rounded(distance) * 1e3:g} mm")
+                ways.append(f"hold it {words}, as at {_rounded(distance * room) * 1e3:g} mm")
                 break
         if ways:
             break
@@ -37,7 +39,7 @@ def out_of_reach(asked: PlanAsked, seen: Seen) -> InvalidRange:
         smaller = replace(asked.board, square_m=asked.board.square_m / _STEP**steps, warp_m=(0.0, 0.0))
         changed = replace(asked, board=smaller)
         if any(_at(changed, distance, seen) for distance in (near, (near + far) / 2, far)):
-            ways.append(f"take squares of {_rounded(smaller.square_m) * 1e3:g} mm")
+            ways.append(f"take squares of {_rounded(smaller.square_m / _ROOM) * 1e3:g} mm")
             break
     if not ways:
         return InvalidRange(

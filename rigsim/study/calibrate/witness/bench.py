@@ -13,6 +13,7 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.study.calibrate.plan.result import CalibrationPlan
 from rigsim.theory.calibration.boards import BoardPoses
 from rigsim.theory.calibration.covariance import CalibrationCovariance, covariance_of
+from rigsim.theory.calibration.flatness import warp_moves, with_warps, without_warps
 from rigsim.theory.calibration.information import board_information
 from rigsim.theory.calibration.parameters import RigParameters
 from rigsim.theory.triangulation import triangulate
@@ -36,6 +37,9 @@ class CalibrationBench:
     """Standard deviation of one coordinate of a corner, px."""
     at_m: tuple[float, ...]
     """Depths on the left optical axis that are told, m."""
+    flatness_m: float = 0.0
+    """Standard deviation of the board's two warps, m: each calibration has a board of its own, unless
+    `true_board` says which."""
     true_rig: StereoRig | None = None
     """What the cameras really are, where a model cannot say it; None is `rig`."""
     true_board: Board | None = None
@@ -55,6 +59,7 @@ class CalibrationBench:
             plan.seen,
             asked.corner_noise_px,
             asked.at_m,
+            asked.flatness_m,
             true_rig,
             true_board,
         )
@@ -75,7 +80,7 @@ class CalibrationBench:
 
     @property
     def in_model(self) -> bool:
-        """Whether the calibration's model can say what is true."""
+        """Whether the calibration's model can say what is true, or the covariance how far it cannot."""
         return self.true_rig is None and (self.true_board is None or self.parameters.warped)
 
     @property
@@ -89,14 +94,33 @@ class CalibrationBench:
         uv = self.poses.project(self.truth, self.held)
         return np.where(self.seen[:, :, None, None], uv, np.nan)
 
+    @property
+    def warps(self) -> bool:
+        """Whether each calibration's board has a warp of its own."""
+        return self.flatness_m > 0 and self.true_board is None
+
+    def drawn(self, rng: np.random.Generator) -> CalibrationBench:
+        """With a board that is as flat as `flatness_m` says."""
+        if not self.warps:
+            return self
+        by_x, by_y = self.board.warp_m + self.flatness_m * rng.standard_normal(2)
+        return replace(self, true_board=replace(self.board, warp_m=(float(by_x), float(by_y))))
+
     def covariance(self, noise_px: float) -> CalibrationCovariance:
         """What the covariance predicts for corners of this noise, px.
 
         Raises:
             Undetermined: the boards leave a parameter open.
         """
-        told = board_information(self.rig, self.parameters, self.board, self.poses, self.seen)
-        return covariance_of(self.rig, self.parameters, self.poses, told, noise_px)
+        rig, parameters, poses = self.rig, self.parameters, self.poses
+        astray = self.warps and not parameters.warped
+        wider = with_warps(parameters) if astray else parameters
+        warping = board_information(rig, wider, self.board, poses, self.seen)
+        if not astray:
+            return covariance_of(rig, parameters, poses, warping, noise_px)
+        per_px = covariance_of(rig, parameters, poses, without_warps(warping), 1.0)
+        moves = self.flatness_m * warp_moves(per_px, poses, warping)
+        return replace(per_px, matrix=noise_px**2 * per_px.matrix + moves @ moves.T)
 
     def errors(self, found: StereoRig, poses: BoardPoses, board: Board | None = None) -> CalibrationErrors:
         """How far off one calibration is, that took boards to be at `poses`, and found them to be `board`."""

@@ -71,7 +71,8 @@ def conclude(
         parameter_square=float(spread.sum()) if bench.in_model else math.nan,
         parameter_degrees=spread.size,
         misfit=misfit,
-        misfit_degrees=degrees,
+        # what boards are not flat by is no noise, and is there to be seen
+        misfit_degrees=0 if bench.warps and not bench.parameters.warped else degrees,
     )
     ratio = math.sqrt(found.parameter_square / spread.size) if spread.size and bench.in_model else math.nan
     return CalibrationWitness(

@@ -1,4 +1,4 @@
-"""Whole calibrations of rendered pictures: the board drawn where it is held, its corners found, OpenCV asked."""
+"""Whole calibrations of rendered pictures: boards drawn where they are held, corners found, OpenCV asked."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rigsim import interrupts
 from rigsim.errors import InvalidRange, InvalidRig, MeasurementFailed
 from rigsim.pixels.calibration.models import camera_model
 from rigsim.pixels.calibration.stereo import calibrate_stereo
-from rigsim.rig.arrays import Array
+from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.sensor import Sensor
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.agreement.agreement import Agreement
@@ -41,7 +41,7 @@ def measure_calibrations(
 
     OpenCV calibrates, from the boards that both cameras saw whole and starting from the planned rig; where it
     knows no such lens model, or cannot hold what is held, `adjust` does from all boards. The covariance is
-    that of the same boards at the noise of the corners that were found.
+    that of the same boards, which are flat, at the noise of the corners that were found.
 
     Args:
         bench: What is calibrated; its corner noise does not matter.
@@ -51,21 +51,33 @@ def measure_calibrations(
         progress: Told of ``pictures`` and ``calibrations`` as they are made. When it is interrupted
             (KeyboardInterrupt) while calibrating, what is done by then is concluded from.
     """
+    if fix_for_opencv(bench.parameters) is not None:
+        bench = bench.chosen(np.asarray(bench.seen.all(axis=1)))
+    told = None if progress is None else lambda done, total: progress("pictures", done, total)
+    return calibrate_found(bench, found_corners(bench, sensor, count, seed, told), progress)
+
+
+def calibrate_found(
+    bench: CalibrationBench, observed: Array, progress: Stage | None = None
+) -> CalibrationWitness:
+    """What as many calibrations as there are sets of corners (k, n, 2, m, 2), px, say; NaN was not found.
+
+    As `measure_calibrations`, whose boards are flat.
+    """
+    bench, count = replace(bench, flatness_m=0.0), len(observed)
     by_opencv = fix_for_opencv(bench.parameters) is not None
-    if by_opencv:
-        bench = bench.chosen(bench.seen.all(axis=1))
-    told = None if progress is None else lambda done: progress("pictures", done, len(bench.poses))
-    observed = found_corners(bench, sensor, count, seed, told)
     # what the detector did not find in the first picture is in none
-    seen = np.isfinite(observed).all(axis=4).any(axis=(0, 3))
-    kept = seen.all(axis=1) if by_opencv else seen.any(axis=1)
+    seen: Mask = np.asarray(np.isfinite(observed[..., 0]).any(axis=(0, 3)))
+    kept: Mask = np.asarray(seen.all(axis=1) if by_opencv else seen.any(axis=1))
     unfound = int((bench.seen & ~seen).sum())
     bench, observed = replace(bench.chosen(kept), seen=seen[kept]), observed[:, kept]
-    noise_px = float(np.sqrt(np.nanmean((observed - bench.exact) ** 2))) if kept.any() else np.nan
+    if not kept.any():
+        return _nothing(count, f"of {len(kept)} boards none was found in both pictures")
+    noise_px = float(np.sqrt(np.nanmean((observed - bench.exact) ** 2)))
     try:
         predicted = bench.covariance(noise_px)
-    except (Undetermined, ValueError) as error:
-        return _nothing(count, noise_px, str(error))
+    except Undetermined as error:
+        return _nothing(count, str(error))
     done: list[Calibrated | None] = []
     try:
         for k in range(count):
@@ -84,7 +96,9 @@ def measure_calibrations(
 def fix_for_opencv(parameters: RigParameters) -> tuple[str, ...] | None:
     """What OpenCV is to hold; None where it cannot calibrate this."""
     held = [name for name, free in zip(parameters.names, parameters.free, strict=True) if not free]
-    held += [f"{side}.aspect" for side, on in zip(("left", "right"), parameters.square_pixels, strict=True) if on]
+    held += [
+        f"{side}.aspect" for side, on in zip(("left", "right"), parameters.square_pixels, strict=True) if on
+    ]
     try:
         camera_model(parameters.lenses, held)
     except InvalidRange:
@@ -102,7 +116,8 @@ def _calibrated(bench: CalibrationBench, observed: Array, by_opencv: bool) -> Ca
         except (MeasurementFailed, InvalidRig):
             return None
         # OpenCV's rig stays; each board is laid where both pictures together have it
-        parameters = RigParameters.of(parameters.lenses, fix=("focal", "principal", "lens", "pose"))
+        held = np.zeros_like(parameters.free)
+        parameters = replace(parameters, free=held, square_pixels=(False, False))
     found = adjust(rig, parameters, bench.board, poses, observed)
     errors = bench.errors(found.rig, found.poses, found.board)
     if not (found.settled and np.isfinite(errors.depth_m).all()):
@@ -123,13 +138,13 @@ def _by_opencv(bench: CalibrationBench, observed: Array) -> tuple[StereoRig, Boa
     return found.rig, BoardPoses.of(found.left_from_board)
 
 
-def _nothing(count: int, noise_px: float, cause: str) -> CalibrationWitness:
+def _nothing(count: int, cause: str) -> CalibrationWitness:
     nan = float("nan")
     return CalibrationWitness(
         name="measured",
         calibrations=count,
         failed=count,
-        corner_noise_px=noise_px,
+        corner_noise_px=nan,
         rms_px=nan,
         misfit=nan,
         depths=(),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+
 import numpy as np
 
 from rigsim.pixels.corners.boards import find_sizes, nearest_order, refit
@@ -18,8 +19,8 @@ from rigsim.sim.lens import wider_intrinsics
 from rigsim.sim.simulator import SUPERSAMPLE, Simulator
 from rigsim.study.calibrate.witness.bench import CalibrationBench
 
-SENSOR = Sensor(blur_px=0.6, full_well_e=10_000, read_noise_e=5.0, gain=8.0)
-"""A small machine-vision sensor in a dim room: noise, not the renderer's samples, is what moves a corner."""
+SENSOR = Sensor(blur_px=0.6, full_well_e=10_000, read_noise_e=5.0, gain=24.0)
+"""A small sensor in a dim room: noise, not what the renderer's samples shift them by, moves the corners."""
 
 _RIM_PX = 16
 """Round a board's outer squares."""
@@ -27,13 +28,21 @@ _SIDES: tuple[Side, Side] = ("left", "right")
 
 
 @dataclass(frozen=True, slots=True)
-class _Picture:
-    """One camera's light about one board."""
+class _View:
+    """The part of one camera's picture that shows a board."""
 
-    light: Array
-    """(H, W), 0 to 1."""
-    corner: tuple[int, int]
-    """The camera's pixel that is the first of it, (u, v)."""
+    board: int
+    side: int
+    camera: Intrinsics
+    """The camera of that part alone."""
+    drawn: Intrinsics
+    """What is drawn of it: finer, and straight where one pinhole is enough."""
+    origin: Array
+    """The camera's pixel that is the first of it, (2,)."""
+
+    @property
+    def resampled(self) -> bool:
+        return self.camera.lens is not None and self.drawn.lens is None
 
 
 def found_corners(
@@ -41,7 +50,7 @@ def found_corners(
     sensor: Sensor,
     count: int,
     seed: int,
-    progress: Callable[[int], None] | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Array:
     """Corners (count, n, 2, m, 2) px as found in `count` noisy pictures of each board by each camera.
 
@@ -54,66 +63,67 @@ def found_corners(
         sensor: Takes the pictures.
         count: Pictures of each board by each camera.
         seed: Of their noise.
-        progress: Called with the number of boards done.
+        progress: Called with the numbers of pictures drawn, and to draw.
     """
-    from rigsim.sim.scenes.held import hold, held_board
+    from rigsim.sim.scenes.held import held_board, hold
 
     exact, rig, board = bench.exact, bench.truth, bench.held
     corners = np.full((count, *exact.shape), np.nan)
+    if not bench.seen.any():
+        return corners
     far_m = float(np.linalg.norm(bench.poses.points_left(board.outline), axis=2).max())
+    views = [_view(bench, n, side) for n, side in np.argwhere(bench.seen).tolist()]
     with Simulator(held_board(board, far_m)) as simulator:
-        for n in range(len(bench.poses)):
-            left_from_board = Pose(bench.poses.R[n], bench.poses.t[n])
-            hold(simulator.scene, rig, board, left_from_board)
-            for side in np.flatnonzero(bench.seen[n]):
-                picture = _picture(simulator, bench, n, int(side), sensor)
-                rng = np.random.default_rng((seed, n, int(side)))
-                corners[:, n, side] = _corners(picture, exact[n, side], board, sensor, rng, count)
+        simulator.make_room(view.drawn for view in views)
+        for done, view in enumerate(views):
+            hold(simulator.scene, rig, board, Pose(bench.poses.R[view.board], bench.poses.t[view.board]))
+            light = _light(simulator, view, sensor)
+            rng = np.random.default_rng((seed, view.board, view.side))
+            near = exact[view.board, view.side] - view.origin
+            found = _found(light, near, board, sensor, rng, count)
+            corners[:, view.board, view.side] = found + view.origin
             if progress:
-                progress(n + 1)
+                progress(done + 1, len(views))
     return corners
 
 
-def _picture(
-    simulator: Simulator, bench: CalibrationBench, n: int, side: int, sensor: Sensor
-) -> _Picture:
-    """What one camera sees of the board that is held, no more than about it."""
+def _view(bench: CalibrationBench, board: int, side: int) -> _View:
+    """No more of the camera's picture than is about the board."""
     camera = (bench.truth.left, bench.truth.right)[side]
-    rim = bench.poses.points_left(bench.held.outline)[n]
+    rim = bench.poses.points_left(bench.held.outline)[board]
     uv = camera.project(rim if side == 0 else bench.truth.right_from_left.apply(rim))
-    uv = np.where(np.isfinite(uv), uv, bench.exact[n, side].mean(axis=0))
-    limit = np.array([camera.width, camera.height])
-    first = np.clip(np.floor(uv.min(axis=0)).astype(int) - _RIM_PX, 0, limit - 1)
-    last = np.clip(np.ceil(uv.max(axis=0)).astype(int) + _RIM_PX, 0, limit - 1)
+    uv = np.concatenate([uv[np.isfinite(uv).all(axis=1)], bench.exact[board, side]])
+    limit = np.array([camera.width, camera.height]) - 1
+    first = np.clip(np.floor(uv.min(axis=0)) - _RIM_PX, 0, limit).astype(int)
+    last = np.clip(np.ceil(uv.max(axis=0)) + _RIM_PX, 0, limit).astype(int)
     part = camera.cropped(int(first[0]), int(first[1]), *(int(size) for size in last - first + 1))
-    light = light_through(simulator, side, part, sensor)
-    return _Picture(light, (int(first[0]), int(first[1])))
+    straight = part.lens is not None and not needs_faces(part)
+    drawn = wider_intrinsics(part, SUPERSAMPLE) if straight else part.supersampled(SUPERSAMPLE)
+    return _View(board, side, part, drawn, first.astype(np.float64))
 
 
-def light_through(simulator: Simulator, side: int, camera: Intrinsics, sensor: Sensor) -> Array:
-    """Grey light (H, W) on one camera's pixels, lens and blur included."""
-    resampled = camera.lens is not None and not needs_faces(camera)
-    drawn = wider_intrinsics(camera, SUPERSAMPLE) if resampled else camera.supersampled(SUPERSAMPLE)
-    fine = simulator.light(side, drawn, 1).astype(np.float64) @ np.asarray(GREY_WEIGHTS)
-    geometry = {"wide": drawn, "camera": camera} if resampled else {}
-    return optics(fine, sensor, _SIDES[side], supersample=SUPERSAMPLE, **geometry)
+def _light(simulator: Simulator, view: _View, sensor: Sensor) -> Array:
+    """Grey light (H, W) on the pixels, lens and blur included."""
+    fine = simulator.light(view.side, view.drawn).astype(np.float64) @ np.asarray(GREY_WEIGHTS)
+    side = _SIDES[view.side]
+    if view.resampled:
+        return optics(fine, sensor, side, supersample=SUPERSAMPLE, wide=view.drawn, camera=view.camera)
+    return optics(fine, sensor, side, supersample=SUPERSAMPLE)
 
 
-def _corners(
-    picture: _Picture, exact: Array, board: Board, sensor: Sensor, rng: np.random.Generator, count: int
+def _found(
+    light: Array, near: Array, board: Board, sensor: Sensor, rng: np.random.Generator, count: int
 ) -> Array:
-    """Corners (count, m, 2) px found in noisy pictures; NaN where there is none.
+    """Corners (count, m, 2) px found in noisy pictures of one light; NaN where there is none.
 
-    They are in the order that lies nearest to `exact` (m, 2): whoever holds the board knows which way up.
+    They are in the order that lies nearest to `near` (m, 2): whoever holds the board knows which way up.
     """
-    found = np.full((count, len(exact), 2), np.nan)
-    image = digitise(picture.light, sensor, rng)
-    boards = find_sizes(image, [(board.rows, board.cols)], limit=1)
+    corners = np.full((count, len(near), 2), np.nan)
+    boards = find_sizes(digitise(light, sensor, rng), [(board.rows, board.cols)], limit=1)
     if not boards:
-        return found
-    origin = np.array(picture.corner, dtype=np.float64)
-    order = nearest_order(boards[0], exact - origin)
-    found[0] = boards[0].uv[order]
+        return corners
+    order = nearest_order(boards[0], near)
+    corners[0] = boards[0].uv[order]
     for k in range(1, count):
-        found[k] = refit(digitise(picture.light, sensor, rng), boards[0])[order]
-    return found + origin
+        corners[k] = refit(digitise(light, sensor, rng), boards[0])[order]
+    return corners

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from rigsim import interrupts
-from rigsim.rig.arrays import Array
 from rigsim.study.calibrate.witness.bench import CalibrationBench
 from rigsim.study.calibrate.witness.conclude import Calibrated, Met, conclude
 from rigsim.study.calibrate.witness.judge import SIMULATED
@@ -36,13 +35,11 @@ def simulate_calibrations(
         Undetermined: the boards leave a parameter open.
     """
     predicted = bench.covariance(bench.corner_noise_px)
-    exact = bench.exact
     done: list[Calibrated | None] = []
     try:
         for k in range(count):
             rng = np.random.default_rng((seed, k))
-            observed = exact + bench.corner_noise_px * rng.standard_normal(exact.shape)
-            done.append(_calibrated(bench, observed))
+            done.append(_calibrated(bench, rng))
             if progress:
                 progress(len(done))
     except KeyboardInterrupt:
@@ -54,12 +51,14 @@ def simulate_calibrations(
     return replace(witness, boards=len(bench.poses))
 
 
-def _calibrated(bench: CalibrationBench, observed: Array) -> Calibrated | None:
+def _calibrated(bench: CalibrationBench, rng: np.random.Generator) -> Calibrated | None:
     """One calibration; None where it does not settle."""
+    this = bench.drawn(rng)
+    exact = this.exact
+    observed = exact + bench.corner_noise_px * rng.standard_normal(exact.shape)
     found = adjust(bench.rig, bench.parameters, bench.board, bench.poses, observed)
-    if not found.settled:
-        return None
-    errors = bench.errors(found.rig, found.poses, found.board)
-    if not np.isfinite(errors.depth_m).all():
+    # a warp that is looked for has an error of its own; one that is not, no more than what it does to the rig
+    errors = (this if bench.parameters.warped else bench).errors(found.rig, found.poses, found.board)
+    if not (found.settled and np.isfinite(errors.depth_m).all()):
         return None
     return Calibrated(errors, found.rms_px, int(np.isfinite(observed).sum()))

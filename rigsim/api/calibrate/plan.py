@@ -1,0 +1,355 @@
+"""`rigsim.plan_calibration`: which board, held where, how many times, and what that leaves of the depth."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import KW_ONLY, dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
+
+import numpy as np
+import numpy.typing as npt
+
+from rigsim.api.kit.asked import depth_errors
+from rigsim.api.kit.plain import takes
+from rigsim.api.result import Result
+from rigsim.api.rigs import RigLike, read_rig
+from rigsim.errors import InvalidRange
+from rigsim.rig import given
+from rigsim.rig.board import Board
+from rigsim.rig.noise import coordinate_noise_px
+from rigsim.rig.quantity import NOISE_PX
+from rigsim.rig.remark import Remark
+
+if TYPE_CHECKING:
+    from rigsim.interop.documents.base import Written
+    from rigsim.present.kit.types import Figure, Table
+    from rigsim.rig.lens.lens import Lens
+    from rigsim.rig.stereo import StereoRig
+    from rigsim.study.calibrate.plan.asked import DepthGoal, PlanAsked
+    from rigsim.study.calibrate.plan.result import CalibrationPlan
+    from rigsim.study.calibrate.witness.result import CalibrationWitness
+    from rigsim.theory.calibration.boards import BoardPoses
+
+BoardLike: TypeAlias = Board | str
+"""A board, or its text: ``9x6@30mm``."""
+
+PosesLike: TypeAlias = int | str | os.PathLike[str] | npt.ArrayLike
+"""How many poses are to be chosen; a poses.json; or rotation vectors (rad) and translations (m), (n, 6)."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlanOptions:
+    """The arguments of `plan_calibration`, which says what they mean."""
+
+    rig: RigLike
+    _: KW_ONLY
+    board: BoardLike = "9x6@30mm"
+    poses: PosesLike = 20
+    range_m: tuple[float, float] = (0.4, 1.2)
+    tilt_deg: float = 40.0
+    corner_noise_px: float = 0.1
+    noise_px: float | None = None
+    disparity_noise_px: float | None = None
+    model: str | None = None
+    fix: Iterable[str] = ()
+    warp: bool = False
+    flatness_mm: float = 0.0
+    depth_error_mm: float | None = None
+    depth_error_pct: float | None = None
+    depth_error_at_m: float | None = None
+    at_m: float | Iterable[float] = (1.0, 2.0, 3.0, 5.0)
+    simulate: int = 0
+    measure: int = 0
+    true_model: RigLike | None = None
+    true_warp_mm: float | tuple[float, float] = 0.0
+    seed: int = 0
+    command: str = ""
+    progress: Callable[[str, int, int], None] | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlannedCalibration(Result):
+    """Where the board is held, how many times, and what that leaves of the depth."""
+
+    plan: CalibrationPlan
+    """Everything that was worked out."""
+    witnesses: tuple[CalibrationWitness, ...] = ()
+    """What whole calibrations say, simulated and measured; empty where none were asked for."""
+    command: str = ""
+    """What the page names as the command that made it."""
+    remarks: tuple[Remark, ...] = ()
+    """What is odd about what was asked, and about the plan."""
+    complete: bool = True
+    """Whether all witnesses that were asked for are there; False after Ctrl-C."""
+
+    @property
+    def table(self) -> Table:
+        """One row a distance and place: the columns of ``depth_std_places``."""
+        from rigsim.present.kit.types import table
+
+        return table(self.document()["depth_std_places"])
+
+    @property
+    def verdict(self) -> int | None:
+        """The fewest pictures that meet the depth error; None where no number does, or none was asked for."""
+        return self.plan.needed.count
+
+    @property
+    def headline(self) -> str:
+        """The answer in one sentence."""
+        from rigsim.present.calibrate.plan_words import headline
+
+        return headline(self.plan)
+
+    @property
+    def poses(self) -> BoardPoses:
+        """Where the board is held, best first unless it was said."""
+        return self.plan.poses
+
+    @property
+    def figures(self) -> Mapping[str, Callable[[], Figure]]:
+        """``plan``: how many pictures; ``poses``: the board in both; ``projection``: how sure pixels are."""
+        from rigsim.present.calibrate.plan_figures import curve_figure
+        from rigsim.present.calibrate.poses_figure import poses_figure
+        from rigsim.present.calibrate.projection_figure import projection_figure
+
+        return {
+            "plan": lambda: curve_figure(self.plan),
+            "poses": lambda: poses_figure(self.plan),
+            "projection": lambda: projection_figure(self.plan),
+        }
+
+    def files(self) -> dict[str, bytes]:
+        """plan.html, plan.json, poses.json, covariance.json, plan.png, poses.png and projection.png."""
+        from rigsim.interop.documents.calibrate.covariance import covariance_document
+        from rigsim.interop.documents.calibrate.plan import covariance_source
+        from rigsim.interop.files.poses import poses_document
+        from rigsim.interop.files.tables import json_bytes
+        from rigsim.present.calibrate.plan_page import plan_html
+        from rigsim.present.kit.style import to_png
+
+        plan, document = self.plan, self.document()
+        says = [pose["says"] for pose in document["poses"]]
+        page = plan_html(plan, self.witnesses, self.command, self.remarks)
+        return {
+            "plan.html": page.encode(),
+            "plan.json": json_bytes(document),
+            "poses.json": json_bytes(poses_document(plan.asked.board, plan.poses, says)),
+            "covariance.json": json_bytes(covariance_document(plan.covariance, covariance_source(plan))),
+            **{f"{name}.png": to_png(draw()) for name, draw in self.figures.items()},
+        }
+
+    def document(self, written: Written | None = None) -> Mapping[str, Any]:
+        """The plan; docs/reference/calibrate.md says what the keys mean."""
+        from rigsim.interop.documents.calibrate.plan import PlanTold, plan_document
+        from rigsim.present.calibrate import plan_words
+
+        told = PlanTold(self.command, self.witnesses, self.remarks, self.complete, written)
+        return plan_document(self.plan, plan_words, told)
+
+    def print(self, folder: Path | None = None) -> None:
+        """Print the answer, the depth at each distance, how many pictures it takes, and what to do next."""
+        from rigsim.present.calibrate.plan_console import print_plan
+
+        print_plan(self.plan, self.witnesses, self.command, folder)
+
+
+@takes(PlanOptions)
+def plan_calibration(options: PlanOptions) -> PlannedCalibration:
+    """Plan a stereo calibration: how many pictures of a board, held where, and what they leave of the depth.
+
+    Args:
+        rig: The rig that is to be calibrated: a preset's name, a calibration's path or text, or a rig.
+        board: The board, or its text: inner corners and a square's side.
+        poses: How many poses are to be chosen, 2 to 200; or a poses.json, or numbers (n, 6): rotation vector,
+            rad, and translation, m, of left_from_board.
+        range_m: How near and how far the board can be held, m.
+        tilt_deg: Most that it is turned out of the picture's plane, deg.
+        corner_noise_px: Standard deviation of one coordinate of a found corner, px.
+        noise_px: Standard deviation of one pixel coordinate when the rig measures, px; 0.25 unless said.
+        disparity_noise_px: Standard deviation of a disparity, px, instead: sqrt(2) times as much.
+        model: Lens model that the calibration estimates: brown, rational, fisheye, ...; the rig's own by
+            default, brown where it has none.
+        fix: What it does not estimate: k3, aspect, right.p1, tangential, ...
+        warp: Whether it estimates the board's warp.
+        flatness_mm: Standard deviation of each of the board's two warps, mm.
+        depth_error_mm: Largest standard deviation of a depth on the axis, mm, by calibration and noise.
+        depth_error_pct: The same in percent of the distance, instead.
+        depth_error_at_m: Its distance, m; the largest of `at_m` by default.
+        at_m: Depths that are told, m.
+        simulate: How many whole calibrations are simulated beside the prediction.
+        measure: How many are made of rendered pictures.
+        true_model: The true lens where it is another: a model's name, or a rig as `rig`.
+        true_warp_mm: True warp of the board along its rows and columns, mm; one number is of both.
+        seed: Of all random numbers.
+        command: What the page names as the command that made it.
+        progress: Told what things, how many are done, of how many.
+
+    Raises:
+        InvalidRange: A value is out of bounds, a name is none, or the board fits nowhere.
+        CalibrationUndetermined: The boards leave the rig open; its `reason` says why.
+        InvalidRig, OutputError: As `read_rig`.
+
+    Example:
+        >>> import rigsim
+        >>> found = rigsim.plan_calibration("oak-d", board="9x6@30mm", poses=6, depth_error_mm=25, at_m=2)
+        >>> found.verdict <= 6, found.poses.rows.shape
+        (True, (6, 6))
+    """
+    from rigsim.study.calibrate.plan.run import run_plan
+
+    rig, board = read_rig(options.rig), as_board(options.board)
+    asked, odd = _asked(options, rig, board)
+    true_rig = _true_rig(options, asked, rig) if options.simulate or options.measure else None
+    plan = run_plan(asked)
+    witnesses = _witnesses(options, plan, true_rig)
+    wanted = [count for count in (options.simulate, options.measure) if count]
+    complete = [one.calibrations for one in witnesses] == wanted
+    return PlannedCalibration(plan, witnesses, options.command, (*odd, *plan.remarks), complete)
+
+
+def as_board(board: object) -> Board:
+    """A board as it is, or of its text.
+
+    Raises:
+        InvalidRange: it is neither.
+    """
+    if isinstance(board, str):
+        return Board.of(board)
+    return given.a(Board, board, "a Board, or its text as 9x6@30mm")
+
+
+def _asked(options: PlanOptions, rig: StereoRig, board: Board) -> tuple[PlanAsked, tuple[Remark, ...]]:
+    """What is to be planned, and what is odd about the lens model."""
+    from rigsim.study.calibrate.plan.asked import PlanAsked, Reach
+    from rigsim.study.calibrate.plan.free import estimated
+    from rigsim.study.calibrate.plan.models import in_model, lens_model, own_model
+
+    model = own_model(rig) if options.model is None else lens_model(str(options.model))
+    modelled, remarks = in_model(rig, model)
+    fix = (options.fix,) if isinstance(options.fix, str) else tuple(str(word) for word in options.fix)
+    parameters, held = estimated(modelled, model, fix=fix, warped=bool(options.warp))
+    near_m, far_m = _two(options.range_m, "range_m", "(near, far), m")
+    noise_px = coordinate_noise_px(options.noise_px, options.disparity_noise_px)
+    at_m = given.reals(options.at_m, "at_m")
+    asked = PlanAsked(
+        modelled,
+        parameters,
+        board,
+        poses=_poses(options.poses),
+        reach=Reach(near_m, far_m, math.radians(given.real(options.tilt_deg, "tilt_deg"))),
+        corner_noise_px=given.real(options.corner_noise_px, "corner_noise_px"),
+        noise_px=NOISE_PX if noise_px is None else given.real(noise_px, "noise_px"),
+        flatness_m=given.real(options.flatness_mm, "flatness_mm") / 1e3,
+        goal=_goal(options, at_m),
+        at_m=tuple(sorted(at_m)),
+        seed=options.seed,
+    )
+    return asked, (*remarks, *held)
+
+
+def _poses(poses: object) -> BoardPoses | int:
+    from rigsim.interop.files.poses import read_poses
+    from rigsim.theory.calibration.boards import BoardPoses
+
+    if isinstance(poses, BoardPoses):
+        return poses
+    if isinstance(poses, str | os.PathLike):
+        return read_poses(given.path(poses, "poses"))
+    if isinstance(poses, int | np.integer) and not isinstance(poses, bool):
+        return int(poses)
+    rows = BoardPoses.of(cast(npt.ArrayLike, poses))
+    if not len(rows):
+        raise InvalidRange("poses: there are none: give a number, a poses.json, or six numbers a board")
+    return rows
+
+
+def _goal(options: PlanOptions, at_m: tuple[float, ...]) -> DepthGoal | None:
+    from rigsim.study.calibrate.plan.asked import DepthGoal
+
+    asked = depth_errors(options.depth_error_mm, options.depth_error_pct, options.depth_error_at_m)
+    if not asked:
+        return None
+    (error,) = asked
+    if error.pct is not None and not 0 < error.pct < 100:
+        raise InvalidRange(f"depth error {error.pct:g} %: must be > 0 and < 100 %")
+    z_m = max(at_m, default=math.nan) if error.at_m is None else error.at_m
+    return DepthGoal(error.error_m(z_m), z_m)
+
+
+def _count(value: object, name: str) -> int:
+    count = given.real(value, name)
+    if not (count.is_integer() and count >= 0):
+        raise InvalidRange(f"{name} {count:g}: must be a whole number, 0 or more")
+    return int(count)
+
+
+def _two(values: object, name: str, wanted: str) -> tuple[float, float]:
+    ends = given.reals(values, name)
+    if len(ends) != 2:
+        raise InvalidRange(f"{name} {given.shown(values)}: must be {wanted}")
+    return ends[0], ends[1]
+
+
+def _witnesses(
+    options: PlanOptions, plan: CalibrationPlan, true_rig: StereoRig | None
+) -> tuple[CalibrationWitness, ...]:
+    """Whole calibrations, where they were asked for."""
+    if not (options.simulate or options.measure):
+        return ()
+    from rigsim.study.calibrate.witness.run import run_witnesses
+
+    return run_witnesses(
+        plan,
+        simulated=_count(options.simulate, "simulate"),
+        measured=_count(options.measure, "measure"),
+        true_rig=true_rig,
+        true_board=_true_board(options.true_warp_mm, plan.asked.board),
+        progress=options.progress,
+    )
+
+
+def _true_rig(options: PlanOptions, asked: PlanAsked, rig: StereoRig) -> StereoRig | None:
+    """The rig that the pictures are of; None where it is the plan's."""
+    from rigsim.study.calibrate.plan.models import in_model, own_model
+
+    true = rig
+    if options.true_model is not None:
+        lens = _lens_named(options.true_model)
+        true = _true_file(options.true_model) if lens is None else in_model(rig, lens)[0]
+    try:
+        as_planned, remarks = in_model(true, own_model(asked.rig))
+    except InvalidRange:  # the plan's model shows less
+        return true
+    # a lens that the plan's model holds exactly is no other lens
+    return None if not remarks and as_planned == asked.rig else true
+
+
+def _true_file(named: RigLike) -> StereoRig:
+    try:
+        return read_rig(named)
+    except InvalidRange as error:
+        raise InvalidRange(
+            f"true model {given.shown(named)}: is no lens model, and no rig: {error}"
+        ) from None
+
+
+def _lens_named(word: object) -> type[Lens] | None:
+    from rigsim.study.calibrate.plan.models import lens_model
+
+    try:
+        return lens_model(word) if isinstance(word, str) else None
+    except InvalidRange:
+        return None
+
+
+def _true_board(warp_mm: object, board: Board) -> Board | None:
+    """The board that is in the pictures; None where it is the plan's."""
+    warps = given.reals(warp_mm, "true_warp_mm")
+    if not any(warps):
+        return None
+    along, down = _two(warps * 2 if len(warps) == 1 else warps, "true_warp_mm", "one length, or two")
+    return replace(board, warp_m=(along / 1e3, down / 1e3))

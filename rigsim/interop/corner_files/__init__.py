@@ -1,0 +1,1 @@
+"""Corners that other programs found."""

@@ -1,0 +1,136 @@
+"""What pictures of a board say of the rig that took them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from rigsim.pixels.calibration.stereo import FoundRig
+from rigsim.rig.arrays import Mask
+from rigsim.rig.remark import Remark
+from rigsim.rig.stereo import StereoRig
+from rigsim.statistics import rms
+from rigsim.study.calibrate.depths import DepthStd
+from rigsim.study.calibrate.pictures.asked import PicturesAsked
+from rigsim.study.calibrate.pictures.coverage import Coverage
+from rigsim.study.calibrate.pictures.fit import Fit
+from rigsim.study.calibrate.pictures.outliers import LEAST_OFF_PX, Reason
+from rigsim.study.calibrate.pictures.pairs import PicturePair
+from rigsim.study.calibrate.pictures.sightings import Sightings
+from rigsim.study.calibrate.plan.result import NextPose
+from rigsim.theory.calibration.covariance import CalibrationCovariance
+
+PictureVerdict: TypeAlias = Literal[
+    "good", "suspect", "one_camera", "outlier", "not_found", "several", "unreadable", "duplicate"
+]
+"""What became of a pair: it counts; it counts, but is hardly as the others predict; it counts for one
+camera, the other shows no board; the others do not predict it; no board in either; two such boards; a file
+that is no picture; the same as an earlier one."""
+
+
+KEPT: tuple[PictureVerdict, ...] = ("good", "suspect", "one_camera")
+"""Verdicts of pairs that count."""
+_LEAST_TOLD = 3
+_MOST_RATIO = 1.25
+"""Of all pictures together: honest corners, some hundred a picture, stay within 1.05."""
+
+
+@dataclass(frozen=True, slots=True)
+class PictureCheck:
+    """One pair of pictures."""
+
+    name: str
+    """What both files are called."""
+    verdict: PictureVerdict
+    """What became of it."""
+    reason: Reason
+    """Why it is an outlier; empty where it is none."""
+    corners: tuple[int, int]
+    """Corners found in the left and the right picture."""
+    rms_px: float
+    """Root mean square distance of its corners from where they should be, px; NaN without any. An outlier's
+    is with the others' rig."""
+    ratio: float
+    """Residual over what the others predict; NaN where they do not."""
+
+
+@dataclass(frozen=True, slots=True)
+class WarpCheck:
+    """Whether the board is flat."""
+
+    rise_m: tuple[float, float]
+    """How far the middle of its sides along x and y rises over the ends, m."""
+    std_m: tuple[float, float]
+    """Standard deviations of these, m."""
+    chance: float
+    """How often a flat board looks as bent as this."""
+
+    @property
+    def significant(self) -> bool:
+        """Whether it is told from flat: once in a thousand a flat board is."""
+        return self.chance < 1e-3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CalibratedPictures:
+    """A rig calibrated from pictures, and how good it is."""
+
+    asked: PicturesAsked
+    """What was asked."""
+    sightings: Sightings
+    """All corners, in one order."""
+    pairs: tuple[PicturePair, ...]
+    """The files of each pair, or what a corner file calls them."""
+    kept: Mask
+    """Which pairs the rig is made from, (n,)."""
+    fit: Fit
+    """The rig, and the residuals of those pairs."""
+    opencv: FoundRig
+    """OpenCV's rig of the same pairs."""
+    covariance: CalibrationCovariance
+    """How far the rig may be off, at the corner noise that was found."""
+    depths: tuple[DepthStd, ...]
+    """What that does to depths."""
+    pictures: tuple[PictureCheck, ...]
+    """Every pair, in order."""
+    coverage: Coverage
+    """Where the corners were."""
+    warp: WarpCheck
+    """Whether the board is flat."""
+    next_pose: NextPose | None
+    """Where one more board does the most; None where no place was looked for."""
+    remarks: tuple[Remark, ...]
+    """What is odd."""
+    interrupted: bool = False
+    """Whether the search was ended before the last pair."""
+
+    @property
+    def rig(self) -> StereoRig:
+        """The calibrated rig."""
+        return self.fit.adjusted.rig
+
+    @property
+    def ratio(self) -> float:
+        """Root mean square of the kept pictures' ratios: 1 for honest corners."""
+        ratios = np.array([each.ratio for each in self.pictures if each.verdict in KEPT])
+        return rms(ratios[np.isfinite(ratios)])
+
+    @property
+    def verdict(self) -> Literal["agrees", "flagged", "untold"]:
+        """Whether the pictures predict one another: flagged where one is left out as an outlier, or where all
+        together are off by a quarter, and by more than any board is true to; untold of fewer than three."""
+        ratio = self.ratio
+        if not np.isfinite(ratio) or int(self.kept.sum()) < _LEAST_TOLD:
+            return "untold"
+        fits = 1 / _MOST_RATIO < ratio < _MOST_RATIO or self.fit.noise_px < LEAST_OFF_PX
+        return "agrees" if fits and all(each.verdict != "outlier" for each in self.pictures) else "flagged"
+
+    @property
+    def baseline_std_m(self) -> float:
+        """Standard deviation of the baseline, m."""
+        shift = self.covariance.parameters.pose
+        C = self.covariance.matrix[shift, shift][3:, 3:]
+        along = self.rig.right_from_left.t / self.rig.baseline_m
+        return float(np.sqrt(max(float(along @ C @ along), 0.0)))
