@@ -11,6 +11,7 @@ from rigsim.present.calibrate.words import parameter as parameter
 from rigsim.present.kit.format import length, plain
 from rigsim.study.calibrate.enough import NOTICED, chosen_depth, chosen_places, enough
 from rigsim.study.calibrate.holding import holdings
+from rigsim.study.calibrate.plan.odd import FEW
 from rigsim.study.calibrate.plan.result import CalibrationPlan
 from rigsim.theory.calibration.boards import BoardPoses
 
@@ -18,8 +19,6 @@ _SHOWN = (2, 3, 5, 8, 12, 20, 30, 50, 80, 120, 200)
 _NOTED = 1.1
 _WORSE = 1.2
 _MOST_PAIRS = 4
-_NOTICED = 8
-"""Pictures among which a bad one stands out."""
 
 
 def headline(plan: CalibrationPlan) -> str:
@@ -111,11 +110,7 @@ def enough_sentence(plan: CalibrationPlan) -> str:
     when = f"From {pictures(count)} on" if count > least else f"Already with {pictures(count)}"
     share = plain(100 * (NOTICED - 1), 2)
     said = f"{when} calibration adds less than {share} % to what pixel noise makes on the axis"
-    return (
-        f"{said}; take {_NOTICED} all the same, so that a bad picture shows."
-        if count < _NOTICED
-        else f"{said}."
-    )
+    return f"{said}; take {FEW} all the same, so that a bad picture shows." if count < FEW else f"{said}."
 
 
 def gain_sentence(plan: CalibrationPlan) -> str:

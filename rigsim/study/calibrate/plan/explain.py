@@ -64,7 +64,7 @@ def undetermined(asked: PlanAsked, reached: ReachedPoses, names: tuple[str, ...]
     out = farthest_out(asked, reached)
     if out < _MIDDLE:
         return CalibrationUndetermined(
-            f"all {n} boards are in the middle of the pictures (within {out:.0%} of the way to the corners):"
+            f"all {n} boards are in the middle of the pictures (within {100 * out:.0f} % of the way to the corners):"
             f" {_some(names)} stay open; hold some near the rims and corners, or fix lens coefficients",
             "middle",
         )

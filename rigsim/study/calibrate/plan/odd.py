@@ -19,7 +19,8 @@ _HARDLY_SURE = 1e-3
 """Of a focal length: what its calibration is well known to reach."""
 _SMALL_PART = 0.5
 _CELLS = (12, 9)
-_FEW = 6
+FEW = 8
+"""Pictures among which a bad one stands out."""
 _FEW_PLACES = 60
 
 
@@ -34,7 +35,7 @@ def oddities(
             Remark(
                 "little_tilt",
                 f"no board is tilted by more than {math.degrees(tilt):.2g} deg: focal lengths stay open to"
-                f" {open_to:.2%}, and distances with them; tilt some by 30 deg and more, about any axis",
+                f" {100 * open_to:.2g} %, and distances with them; tilt some by 30 deg and more, about any axis",
             )
         )
     shares = covered(asked, reached)
@@ -43,15 +44,15 @@ def oddities(
             remarks.append(
                 Remark(
                     "small_part_of_picture",
-                    f"corners reach {share:.0%} of the {name} picture: what its lens does in the rest is"
+                    f"corners reach {100 * share:.0f} % of the {name} picture: what its lens does in the rest is"
                     " extrapolated, by a model that may not hold there; hold boards near rims and corners",
                 )
             )
-    if len(reached) < _FEW:
+    if len(reached) < FEW:
         remarks.append(
             Remark(
                 "few_pictures",
-                f"{len(reached)} pictures leave nothing to notice a bad one by: take {_FEW} and more",
+                f"{len(reached)} pictures leave nothing to notice a bad one by: take {FEW} and more",
             )
         )
     shared = int(reached.both.sum())
