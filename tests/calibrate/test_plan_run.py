@@ -170,6 +170,18 @@ def test_boards_parallel_to_the_pictures_are_refused(tilt_deg: float) -> None:
     assert caught.value.reason == "no_tilt"
 
 
+def test_boards_all_in_the_middle_are_refused() -> None:
+    """Small ones a metre off: what the lens does to the picture's corners is anybody's guess."""
+    rng, small = np.random.default_rng(0), Board(7, 5, 0.02)
+    shifts = np.column_stack([rng.uniform(-0.02, 0.02, (20, 2)), rng.uniform(0.8, 1.2, 20)])
+    poses = BoardPoses.of(np.column_stack([rng.uniform(-0.6, 0.6, (20, 3)), shifts]))
+    with pytest.raises(CalibrationUndetermined, match="in the middle of the pictures") as caught:
+        run_plan(replace(ASKED, board=small, poses=poses))
+    assert caught.value.reason == "middle"
+    held = RigParameters.of(ESTIMATED.lenses, fix=("lens",))
+    assert len(run_plan(replace(ASKED, board=small, poses=poses, parameters=held)).poses) == 20
+
+
 def test_boards_that_never_share_a_view_are_refused() -> None:
     reached, _ = counted(ASKED, random_poses(ASKED, 1, np.random.default_rng(0), 60).poses)
     apart = reached.chosen(~reached.both)

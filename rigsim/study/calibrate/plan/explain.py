@@ -18,7 +18,7 @@ from rigsim.theory.calibration.covariance import CalibrationCovariance
 _NO_TILT_RAD = math.radians(2)
 _BESIDE = 1e-3
 """So far off its axis a camera's scale is taken, a share of the distance."""
-_MIDDLE = 0.5
+_MIDDLE = 0.6
 """Share of the half diagonal of a picture; within, a lens bends little."""
 
 
@@ -64,8 +64,8 @@ def undetermined(asked: PlanAsked, reached: ReachedPoses, names: tuple[str, ...]
     out = farthest_out(asked, reached)
     if out < _MIDDLE:
         return CalibrationUndetermined(
-            f"all {n} boards are in the middle of the pictures (within {100 * out:.0f} % of the way to the corners):"
-            f" {_some(names)} stay open; hold some near the rims and corners, or fix lens coefficients",
+            f"all {n} boards are in the middle of the pictures (within {100 * out:.0f} % of the way to"
+            f" corners): {_some(names)} stay open; hold some near rims and corners, or fix lens coefficients",
             "middle",
         )
     return CalibrationUndetermined(
@@ -117,6 +117,19 @@ def focal_openness(covariance: CalibrationCovariance) -> float:
         scale = np.stack([slopes[0, 0] - slopes[1, 0], slopes[2, 1] - slopes[3, 1]]) / (2 * _BESIDE)
         variance = np.einsum("kp,pq,kq->k", scale, covariance.matrix[own, own], scale)
         found = max(found, float((np.sqrt(np.maximum(variance, 0)) / np.abs(camera.axial_focal_px)).max()))
+    return found
+
+
+def rim_openness(covariance: CalibrationCovariance, distance_m: float) -> float:
+    """Largest standard deviation of what a camera shows in a corner of its picture, in half diagonals."""
+    rig, found = covariance.rig, 0.0
+    for side, camera in enumerate((rig.left, rig.right)):
+        ends = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
+        points = camera.ray(ends * [camera.width - 1, camera.height - 1]) * distance_m
+        points = points[np.isfinite(points).all(axis=1)]
+        if len(points):
+            std = covariance.projection_std(side, points).max()
+            found = max(found, float(2 * std / np.hypot(camera.width, camera.height)))
     return found
 
 

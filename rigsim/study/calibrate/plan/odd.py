@@ -34,8 +34,8 @@ def oddities(
         remarks.append(
             Remark(
                 "little_tilt",
-                f"no board is tilted by more than {math.degrees(tilt):.2g} deg: focal lengths stay open to"
-                f" {100 * open_to:.2g} %, and distances with them; tilt some by 30 deg and more, about any axis",
+                f"no board is tilted by more than {math.degrees(tilt):.2g} deg: focal lengths stay open"
+                f" to {100 * open_to:.2g} %, and distances with them; tilt some by 30 deg or more, any way",
             )
         )
     shares = covered(asked, reached)
@@ -44,8 +44,8 @@ def oddities(
             remarks.append(
                 Remark(
                     "small_part_of_picture",
-                    f"corners reach {100 * share:.0f} % of the {name} picture: what its lens does in the rest is"
-                    " extrapolated, by a model that may not hold there; hold boards near rims and corners",
+                    f"corners reach {100 * share:.0f} % of the {name} picture: what its lens does in the rest"
+                    " is extrapolated, by a model that may not hold there; hold boards near rims and corners",
                 )
             )
     if len(reached) < FEW:

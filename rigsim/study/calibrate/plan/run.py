@@ -14,7 +14,7 @@ from rigsim.study.calibrate.depths import depth_stds
 from rigsim.study.calibrate.plan.asked import PlanAsked
 from rigsim.study.calibrate.plan.choose import Picks, choose
 from rigsim.study.calibrate.plan.curve import LONG, PosePool, curve, next_pose
-from rigsim.study.calibrate.plan.explain import check_shared, focal_openness, undetermined
+from rigsim.study.calibrate.plan.explain import check_shared, focal_openness, rim_openness, undetermined
 from rigsim.study.calibrate.plan.given import counted
 from rigsim.study.calibrate.plan.needed import pictures_needed
 from rigsim.study.calibrate.plan.odd import little_room, oddities
@@ -27,6 +27,8 @@ from rigsim.theory.calibration.flatness import warp_moves
 CANDIDATES, ALONE = 450, 100
 """Poses among which is chosen: that both cameras see, and that one alone does."""
 _HARDLY_APART = 0.9
+_HARDLY_SHOWN = 0.25
+"""Half diagonals of the picture that its corners are open to; likewise."""
 _HARDLY_KNOWN = 0.1
 """Share of itself that a focal length is open to: nothing of first order holds beyond."""
 _MOST_PAIRS = 8
@@ -78,6 +80,9 @@ def plan_covariance(asked: PlanAsked, held: ReachedPoses) -> CalibrationCovarian
     open_to = focal_openness(found)
     if open_to > _HARDLY_KNOWN:
         raise undetermined(asked, held, ("the focal lengths",))
+    distance_m = float(np.median(np.linalg.norm(held.poses.t, axis=1)))
+    if rim_openness(found, distance_m) > _HARDLY_SHOWN:
+        raise undetermined(asked, held, ("the lens coefficients",))
     if parameters.warped or not asked.flatness_m:
         return found
     per_px = replace(found, matrix=found.matrix / noise_px**2)
