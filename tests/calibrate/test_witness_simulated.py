@@ -105,3 +105,9 @@ def test_boards_that_are_not_flat_scatter_as_predicted(warped: bool) -> None:
         assert depth.ratio == pytest.approx(1, abs=0.3)
         assert (depth.predicted_m > 1.5 * alone_m) != warped
     assert (found.misfit > 1.1) != warped
+
+
+def test_without_noise_there_is_nothing_to_compare() -> None:
+    found = simulate_calibrations(small_bench(0.0, boards=5), count=9)
+    assert (found.failed, found.agreement.kind, found.agreement.reason) == (0, "untold", "exact")
+    assert max(abs(depth.mean_m) for depth in found.depths) < 1e-6

@@ -91,6 +91,8 @@ def judge(name: str, found: Found, slack: Slack) -> Agreement:
         return Agreement("flagged", witness, "some-failed", "failures", 1 - count / found.tried)
     if count < FEW:
         return Agreement("untold", witness, "too-few-trials", "depth spread", count=(count, FEW))
+    if found.parameter_degrees == 0 or not np.isfinite(found.depth_z).all():
+        return Agreement("untold", witness, "exact", "depth spread", cause="no corner noise")
     tests = list(_tests(found, slack))
     first = min(tests, key=lambda test: test.p)
     if not first.p >= FALSE_ALARMS / len(tests):
