@@ -20,6 +20,7 @@ from rigsim.study.calibrate.pictures.sightings import Sightings, Size
 
 Seen: TypeAlias = Literal["found", "not_found", "unreadable", "several"]
 """What came of looking at one picture: a board, none, no picture, or more than one such board."""
+_Both: TypeAlias = tuple[BoardCorners | None, BoardCorners | None]
 Told: TypeAlias = Callable[[str, int, int], None]
 _HINTS = ((-1, -1), (1, 1), (-1, 0), (0, -1))
 """What may be counted wrong: squares in the place of corners, mostly."""
@@ -74,7 +75,7 @@ def look(board: Board, pairs: Sequence[PicturePair], told: Told | None = None) -
         MeasurementFailed: no picture holds the board, or OpenCV is not installed.
     """
     sizes = _Sizes([None, None])
-    found: list[tuple[BoardCorners | None, BoardCorners | None]] = []
+    found: list[_Both] = []
     seen: list[tuple[Seen, Seen]] = []
     interrupted = False
     try:
@@ -86,17 +87,17 @@ def look(board: Board, pairs: Sequence[PicturePair], told: Told | None = None) -
             seen.append((left[1], right[1]))
             if told is not None:
                 told("pairs searched", k + 1, len(pairs))
-            if k + 1 == _LOOKED_AT and (hint := _hint(board, pairs[: k + 1], found)):
-                raise MeasurementFailed(hint)
+            if k + 1 == _LOOKED_AT:
+                _refuse_others(board, pairs[: k + 1], found)
     except KeyboardInterrupt:
         if not found:
             raise
         interrupts.caught()
         interrupted = True
-    if not any(corners is not None for both in found for corners in both):
+    if not _any(found):
+        _refuse_others(board, pairs[:_LOOKED_AT], found)
         raise MeasurementFailed(
-            _hint(board, pairs[:_LOOKED_AT], found)
-            or f"no board of {board.cols}x{board.rows} (or {board.rows}x{board.cols}) inner corners in any of"
+            f"no board of {board.cols}x{board.rows} (or {board.rows}x{board.cols}) inner corners in any of"
             f" {2 * len(found)} pictures: it must be visible as a whole, with squares of at least 6 px; count"
             " inner corners, not squares"
         )
@@ -132,7 +133,7 @@ def _board_in(board: Board, image: AnyImage) -> tuple[BoardCorners | None, Seen]
 def _sightings(
     board: Board,
     names: Sequence[str],
-    found: Sequence[tuple[BoardCorners | None, BoardCorners | None]],
+    found: Sequence[_Both],
     sizes: tuple[Size, Size],
 ) -> Sightings:
     count = board.rows * board.cols
@@ -156,23 +157,23 @@ def _turned(board: Board, sightings: Sightings) -> tuple[Remark, ...]:
     across = across[np.isfinite(across).all(axis=1)]
     if not len(across) or np.mean(np.abs(across[:, 1]) > np.abs(across[:, 0])) < _UPRIGHT:
         return ()
-    swapped = f"{board.rows}x{board.cols}"
-    text = (
+    remark = Remark(
+        "board_turned",
         f"board {board.cols}x{board.rows}: both ways were tried; the pictures show it lying, {board.rows}"
         " corners"
-        f" across and {board.cols} down: {swapped} is the same board, and gives the same rig"
+        f" across: {board.rows}x{board.cols} is the same board, and gives the same rig",
     )
-    return (Remark("board_turned", text),)
+    return (remark,)
 
 
-def _hint(
-    board: Board,
-    pairs: Sequence[PicturePair],
-    found: Sequence[tuple[BoardCorners | None, BoardCorners | None]],
-) -> str:
-    """What the first pictures hold in the board's place; empty where that is found, or nothing."""
-    if any(corners is not None for both in found for corners in both):
-        return ""
+def _any(found: Sequence[_Both]) -> bool:
+    return any(corners is not None for both in found for corners in both)
+
+
+def _refuse_others(board: Board, pairs: Sequence[PicturePair], found: Sequence[_Both]) -> None:
+    """Raise if the first pictures hold another board in the place of this one."""
+    if _any(found):
+        return
     for pair in pairs:
         for cols, rows in ((board.cols + by[0], board.rows + by[1]) for by in _HINTS):
             if min(cols, rows) < LEAST:
@@ -182,10 +183,9 @@ def _hint(
             except (InvalidImage, OutputError):
                 continue
             if others:
-                return (
+                raise MeasurementFailed(
                     f"no picture shows a board of {board.cols}x{board.rows} inner corners, but {pair.left}"
-                    " one of"
-                    f" {cols}x{rows}: count inner corners, one fewer than squares, and give"
+                    " one"
+                    f" of {cols}x{rows}: count inner corners, one fewer than squares, and give"
                     f" --board {cols}x{rows}@..."
                 )
-    return ""
