@@ -6,20 +6,22 @@ import numpy as np
 import pytest
 
 from rigsim.study.agreement.agreement import Agreement
-from rigsim.study.calibrate.witness.judge import FALSE_ALARMS, SIMULATED, Found, Slack, judge
+from rigsim.study.calibrate.witness.judge import FALSE_ALARMS, SIMULATED, JudgedErrors, Slack, judge
 
 STRICT = Slack(0.0, 0.0, 0.0)
 
 
 def found(
     rng: np.random.Generator, count: int, scale: float = 1.0, shift: float = 0.0, misfit: float = 1.0
-) -> Found:
+) -> JudgedErrors:
     """Calibrations of 30 parameters, of which depths at three distances are mixtures."""
     errors = scale * rng.standard_normal((count, 30))
     mixed = np.array([[0.8, 0.6], [0.6, 0.8], [0.5, 0.866]]) @ errors[:, :2].T
     degrees = 1000 * count
     noise = np.sqrt(rng.chisquare(degrees) / degrees)
-    return Found(count, mixed.T + shift, float((errors**2).sum()), errors.size, misfit * noise, degrees)
+    return JudgedErrors(
+        count, mixed.T + shift, float((errors**2).sum()), errors.size, misfit * noise, degrees
+    )
 
 
 def kinds(count: int, slack: Slack = STRICT, trials: int = 300, **wrong: float) -> list[Agreement]:
@@ -62,8 +64,8 @@ def test_too_few_are_untold() -> None:
 def test_failures_are_flagged() -> None:
     rng = np.random.default_rng(0)
     whole = found(rng, 20)
-    none = Found(20, np.empty((0, 3)), 0.0, 0, float("nan"), 0)
-    some = Found(30, whole.depth_z, whole.parameter_square, whole.parameter_degrees, 1.0, 0)
+    none = JudgedErrors(20, np.empty((0, 3)), 0.0, 0, float("nan"), 0)
+    some = JudgedErrors(30, whole.depth_z, whole.parameter_square, whole.parameter_degrees, 1.0, 0)
     assert judge("measured", none, STRICT).reason == "all-failed"
     assert judge("measured", some, STRICT).reason == "some-failed"
 

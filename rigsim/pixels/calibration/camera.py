@@ -33,7 +33,7 @@ class CameraNumbers:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Views:
+class CameraViews:
     """What one camera saw."""
 
     name: str
@@ -70,7 +70,7 @@ def calibrate_camera(
     model = camera_model((lens, lens), fix)
     seen: Mask = np.asarray(np.isfinite(uv).all(axis=2))
     seen &= (seen.sum(axis=1) >= LEAST_CORNERS)[:, None]
-    numbers = from_scratch(model, Views(name, board, uv, seen, size))
+    numbers = from_scratch(model, CameraViews(name, board, uv, seen, size))
     try:
         camera = intrinsics(model, numbers.K, numbers.D, size)
     except InvalidRig as error:
@@ -83,7 +83,7 @@ def calibrate_camera(
     return OneCamera(camera, tuple(poses))
 
 
-def from_scratch(model: CameraModel, views: Views) -> CameraNumbers:
+def from_scratch(model: CameraModel, views: CameraViews) -> CameraNumbers:
     """One camera of which nothing is known; of a board that is not flat OpenCV needs a start, which a flat
     one gives."""
     flat = replace(views.board, warp_m=(0.0, 0.0))
@@ -101,7 +101,7 @@ def begin_at(model: CameraModel, camera: Intrinsics) -> CameraNumbers:
     return CameraNumbers(camera.K, np.array(D))
 
 
-def solve_one(model: CameraModel, views: Views, begin: CameraNumbers | None) -> CameraNumbers:
+def solve_one(model: CameraModel, views: CameraViews, begin: CameraNumbers | None) -> CameraNumbers:
     """One camera from all boards that it saw."""
     cv2 = load_cv2()
     points, corners = lists(views, model.fisheye)
@@ -134,7 +134,7 @@ def board_pose(camera: Intrinsics, points: Array, uv: Array) -> Pose | None:
     return Pose.from_rotvec(np.ravel(turn), np.ravel(shift))
 
 
-def lists(views: Views, fisheye: bool) -> tuple[list[Any], list[Any]]:
+def lists(views: CameraViews, fisheye: bool) -> tuple[list[Any], list[Any]]:
     """Corners on the board and in the picture, board by board, in the types that OpenCV takes."""
     kind = np.float64 if fisheye else np.float32
     points, corners = [], []

@@ -16,7 +16,7 @@ from rigsim.errors import InvalidRange, InvalidRig, MeasurementFailed
 from rigsim.pixels.calibration.camera import (
     LEAST_CORNERS,
     CameraNumbers,
-    Views,
+    CameraViews,
     begin_at,
     board_pose,
     criteria,
@@ -84,7 +84,7 @@ def calibrate_stereo(
     both &= (both.sum(axis=1) >= LEAST_CORNERS)[:, None]
     _check(seen, both)
     views = tuple(
-        Views(name, board, observed[:, side], seen[:, side], sizes[side])
+        CameraViews(name, board, observed[:, side], seen[:, side], sizes[side])
         for side, name in enumerate(("left", "right"))
     )
     cameras = []
@@ -124,7 +124,7 @@ def _check(seen: Mask, both: Mask) -> None:
 
 
 def _together(
-    model: CameraModel, views: tuple[Views, Views], cameras: tuple[CameraNumbers, CameraNumbers]
+    model: CameraModel, views: tuple[CameraViews, CameraViews], cameras: tuple[CameraNumbers, CameraNumbers]
 ) -> tuple[StereoRig, float]:
     """The rig, and the rms, from boards that both saw."""
     cv2 = load_cv2()

@@ -11,7 +11,7 @@ import numpy as np
 from rigsim.present.calibrate.words import holding_words
 from rigsim.present.kit.format import length, number, plain, with_error
 from rigsim.study.calibrate.holding import holdings
-from rigsim.study.calibrate.pictures.outliers import Reason
+from rigsim.study.calibrate.pictures.outliers import OddPairReason
 from rigsim.study.calibrate.pictures.result import CalibratedPictures, PictureCheck, PictureVerdict
 from rigsim.theory.calibration.boards import BoardPoses
 
@@ -28,7 +28,7 @@ VERDICTS: Mapping[PictureVerdict, str] = MappingProxyType(
     }
 )
 """What became of a pair, in a word or two."""
-_REASONS: Mapping[Reason, str] = MappingProxyType(
+_REASONS: Mapping[OddPairReason, str] = MappingProxyType(
     {
         "": "",
         "moved": "each camera alone explains it, not both: the board moved between the two shots",

@@ -9,7 +9,7 @@ from pydantic import Field
 from rigsim.interop.documents.base import Part, RemarkPart, Written
 from rigsim.interop.documents.calibrate.covariance import CovarianceCamera, CovarianceDocument
 from rigsim.interop.documents.calibrate.plan_models import PlanDepth, PlanDepthPlace
-from rigsim.study.calibrate.pictures.outliers import Reason
+from rigsim.study.calibrate.pictures.outliers import OddPairReason
 from rigsim.study.calibrate.pictures.result import PictureVerdict
 
 
@@ -51,7 +51,7 @@ class CalibrationPicture(Part):
     """good; suspect: counts, but is over 1.5 times as far off as the others predict; one_camera: counts for
     one camera, the other shows no board; outlier: left out, the others do not predict it; not_found,
     several, unreadable, duplicate: left out."""
-    reason: Reason
+    reason: OddPairReason
     """Why it is an outlier, or suspect: moved, mixed_up, hidden, blurred, bent, unexplained; empty where it
     is none."""
     says: str

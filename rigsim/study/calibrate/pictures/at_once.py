@@ -11,14 +11,14 @@ from __future__ import annotations
 import numpy as np
 
 from rigsim.rig.arrays import Array
-from rigsim.study.calibrate.pictures.fit import Fit
+from rigsim.study.calibrate.pictures.fit import PicturesFit
 from rigsim.theory.calibration.information import slopes
 
 _LEAST_VALUE = 1e-7
 """Of the others' slopes, over the largest one: below, they leave something open."""
 
 
-def ratios_at_once(fit: Fit) -> Array:
+def ratios_at_once(fit: PicturesFit) -> Array:
     """Root of the observed over the predicted squared residual of each pair (n,); NaN where the others leave
     the rig open."""
     reduced = [_reduced(fit, k) for k in range(len(fit.sightings))]
@@ -46,7 +46,7 @@ def ratios_at_once(fit: Fit) -> Array:
     return ratios
 
 
-def _reduced(fit: Fit, pair: int) -> tuple[Array, Array, int]:
+def _reduced(fit: PicturesFit, pair: int) -> tuple[Array, Array, int]:
     """Slopes (N, q) of the free parameters and residuals (N,) of one pair beside its board's pose, and N."""
     found = fit.adjusted
     at = np.array([pair])

@@ -14,7 +14,7 @@ ACROSS = 8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Coverage:
+class CornerCoverage:
     """Which cells of a picture held a corner, at least one of them in one pair."""
 
     left: Mask
@@ -28,9 +28,9 @@ class Coverage:
         return float(self.left.mean()), float(self.right.mean())
 
 
-def coverage(sightings: Sightings) -> Coverage:
+def coverage(sightings: Sightings) -> CornerCoverage:
     """The cells that corners fell into."""
-    return Coverage(*(_cells(sightings, side) for side in (0, 1)))
+    return CornerCoverage(*(_cells(sightings, side) for side in (0, 1)))
 
 
 def _cells(sightings: Sightings, side: int) -> Mask:

@@ -19,7 +19,7 @@ from rigsim.theory.calibration.parameters import RigParameters
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Fit:
+class PicturesFit:
     """What explains the corners of n pairs best."""
 
     sightings: Sightings
@@ -62,7 +62,9 @@ class Fit:
         return np.array([distance_rms(each) for each in self.adjusted.residuals])
 
 
-def fit_rig(sightings: Sightings, parameters: RigParameters, fix: Sequence[str] = ()) -> tuple[Fit, FoundRig]:
+def fit_rig(
+    sightings: Sightings, parameters: RigParameters, fix: Sequence[str] = ()
+) -> tuple[PicturesFit, FoundRig]:
     """Calibrate by OpenCV, then adjust all corners together, also of boards that one camera alone saw.
 
     Args:
@@ -80,12 +82,14 @@ def fit_rig(sightings: Sightings, parameters: RigParameters, fix: Sequence[str] 
     return adjusted_from(sightings, parameters, start.rig, BoardPoses.of(start.left_from_board)), start
 
 
-def adjusted_from(sightings: Sightings, parameters: RigParameters, rig: StereoRig, poses: BoardPoses) -> Fit:
+def adjusted_from(
+    sightings: Sightings, parameters: RigParameters, rig: StereoRig, poses: BoardPoses
+) -> PicturesFit:
     """Least squares from a start."""
     board, observed, weights = sightings.board, sightings.observed, sightings.weights
     found = adjust(rig, parameters, board, poses, observed, weights)
     free = parameters.basis(rig).shape[1] + 6 * len(sightings)
-    return Fit(sightings, parameters, found, noise_of(found.residuals, weights, free))
+    return PicturesFit(sightings, parameters, found, noise_of(found.residuals, weights, free))
 
 
 def both_sides(fix: Sequence[str]) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ import numpy as np
 
 from rigsim.errors import CalibrationUndetermined, InvalidRange
 from rigsim.study.calibrate.pictures.asked import PicturesAsked
-from rigsim.study.calibrate.pictures.fit import Fit
+from rigsim.study.calibrate.pictures.fit import PicturesFit
 from rigsim.study.calibrate.plan.asked import PlanAsked, Reach
 from rigsim.study.calibrate.plan.curve import PosePool, next_pose
 from rigsim.study.calibrate.plan.held import middle_of
@@ -19,7 +19,7 @@ _NEARER, _FARTHER = 0.8, 1.25
 """How much nearer and farther than in the pictures the board can be held."""
 
 
-def following(asked: PicturesAsked, fit: Fit) -> NextPose | None:
+def following(asked: PicturesAsked, fit: PicturesFit) -> NextPose | None:
     """The pose, of those about as near and as far as the pictures', that leaves the least depth variance at
     the middle one of the depths asked for; None where the board fits nowhere."""
     found = fit.adjusted

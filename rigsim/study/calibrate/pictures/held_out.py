@@ -18,7 +18,7 @@ import numpy as np
 
 from rigsim.errors import InvalidRig
 from rigsim.rig.arrays import Array
-from rigsim.study.calibrate.pictures.fit import Fit, adjusted_from
+from rigsim.study.calibrate.pictures.fit import PicturesFit, adjusted_from
 from rigsim.study.calibrate.pictures.sightings import Sightings
 from rigsim.theory.calibration.boards import BoardPoses
 from rigsim.theory.calibration.covariance import Undetermined, rig_covariance
@@ -36,25 +36,25 @@ class HeldOut:
     """Root of the observed over the predicted squared residual; NaN where the others leave the rig open."""
     residuals: Array
     """Its residuals (2, m, 2) px with the others' rig, its board put where it fits best."""
-    fit: Fit
+    fit: PicturesFit
     """The others' rig."""
     pose: BoardPoses
     """Where it has the board: one pose."""
 
 
-def held_out(fit: Fit, pair: int) -> HeldOut:
+def held_out(fit: PicturesFit, pair: int) -> HeldOut:
     """One of the pairs that were fitted, by the rig of all others."""
     start = fit.adjusted.poses.chosen(np.array([pair]))
     return predicted(without(fit, pair), fit.sightings, pair, start)
 
 
-def without(fit: Fit, pair: int) -> Fit:
+def without(fit: PicturesFit, pair: int) -> PicturesFit:
     """The same without one of the pairs."""
     others, found = np.arange(len(fit.sightings)) != pair, fit.adjusted
     return adjusted_from(fit.sightings.chosen(others), fit.parameters, found.rig, found.poses.chosen(others))
 
 
-def predicted(fit: Fit, sightings: Sightings, pair: int, start: BoardPoses) -> HeldOut:
+def predicted(fit: PicturesFit, sightings: Sightings, pair: int, start: BoardPoses) -> HeldOut:
     """A pair of `sightings` that is none of those that were fitted; `start` is about where its board was."""
     pose, J, J_pose, r = _put(fit, sightings, pair, start, (0, 1))
     residuals = np.where(
@@ -74,14 +74,14 @@ def predicted(fit: Fit, sightings: Sightings, pair: int, start: BoardPoses) -> H
     return HeldOut(ratio, residuals, fit, pose)
 
 
-def alone_rms(fit: Fit, sightings: Sightings, pair: int, side: int, start: BoardPoses) -> float:
+def alone_rms(fit: PicturesFit, sightings: Sightings, pair: int, side: int, start: BoardPoses) -> float:
     """Root mean square residual of one coordinate, px, where one camera alone says where its board is."""
     *_, r = _put(fit, sightings, pair, start, (side,))
     return float(np.sqrt(np.mean(r * r))) if r.size else float("nan")
 
 
 def _put(
-    fit: Fit, sightings: Sightings, pair: int, start: BoardPoses, sides: tuple[int, ...]
+    fit: PicturesFit, sightings: Sightings, pair: int, start: BoardPoses, sides: tuple[int, ...]
 ) -> tuple[BoardPoses, Array, Array, Array]:
     """A board where a rig explains its corners best; the weighted slopes (k, p) and (k, 6), and the residuals
     (k,) that are left."""

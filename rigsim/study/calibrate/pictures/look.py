@@ -21,7 +21,7 @@ from rigsim.study.calibrate.pictures.sightings import Sightings, Size
 Seen: TypeAlias = Literal["found", "not_found", "unreadable", "several"]
 """What came of looking at one picture: a board, none, no picture, or more than one such board."""
 _Both: TypeAlias = tuple[BoardCorners | None, BoardCorners | None]
-Told: TypeAlias = Callable[[str, int, int], None]
+Stage: TypeAlias = Callable[[str, int, int], None]
 _HINTS = ((-1, -1), (1, 1), (-1, 0), (0, -1))
 """What may be counted wrong: squares in the place of corners, mostly."""
 _LOOKED_AT = 3
@@ -64,7 +64,7 @@ class _Sizes:
             )
 
 
-def look(board: Board, pairs: Sequence[PicturePair], told: Told | None = None) -> Looked:
+def look(board: Board, pairs: Sequence[PicturePair], told: Stage | None = None) -> Looked:
     """Find the board in every picture.
 
     A picture without one, or that cannot be read, is no error. Ctrl-C ends the search and keeps what was

@@ -13,7 +13,7 @@ from rigsim.pixels.calibration.camera import board_pose
 from rigsim.pixels.calibration.stereo import FoundRig
 from rigsim.rig.arrays import Array, Mask
 from rigsim.study.calibrate.pictures.at_once import ratios_at_once
-from rigsim.study.calibrate.pictures.fit import Fit, distance_rms, fit_rig
+from rigsim.study.calibrate.pictures.fit import PicturesFit, distance_rms, fit_rig
 from rigsim.study.calibrate.pictures.held_out import HeldOut, alone_rms, held_out, predicted, without
 from rigsim.study.calibrate.pictures.order import Ordered
 from rigsim.study.calibrate.pictures.sightings import Sightings
@@ -37,7 +37,7 @@ _THEIR_SHARE = 0.7
 _BLURRED = 2.0
 _BENT_LEFT = 0.4
 
-Reason: TypeAlias = Literal["", "moved", "mixed_up", "hidden", "blurred", "bent", "unexplained"]
+OddPairReason: TypeAlias = Literal["", "moved", "mixed_up", "hidden", "blurred", "bent", "unexplained"]
 """Why a picture is an outlier: each camera alone explains it, but not both (the board moved between the two
 shots, or the pictures are of different moments); they put the right camera elsewhere altogether; a few
 corners are wrong; its corners are far less sharp than the others'; the board was bent; or none of these."""
@@ -47,7 +47,7 @@ corners are wrong; its corners are far less sharp than the others'; the board wa
 class Sorted:
     """Pairs that explain one another, and those that do not."""
 
-    fit: Fit
+    fit: PicturesFit
     """The rig of those that do."""
     opencv: FoundRig
     """OpenCV's rig of the same."""
@@ -58,7 +58,7 @@ class Sorted:
     rms_px: Array
     """Root mean square distance of each pair's corners from where they should be, px, (n,); of those left out
     with the others' rig."""
-    reasons: tuple[Reason, ...]
+    reasons: tuple[OddPairReason, ...]
     """Why each was left out, or is suspect; empty where it is neither."""
 
 
@@ -88,13 +88,13 @@ def sort_out(ordered: Ordered, parameters: RigParameters, fix: Sequence[str]) ->
     return _told(ordered, fit, opencv, kept, ratios)
 
 
-def _told(ordered: Ordered, fit: Fit, opencv: FoundRig, kept: Mask, kept_ratios: Array) -> Sorted:
+def _told(ordered: Ordered, fit: PicturesFit, opencv: FoundRig, kept: Mask, kept_ratios: Array) -> Sorted:
     """With what there is to say of every pair."""
     sightings = ordered.sightings
     n = len(sightings)
     ratios, rms_px = np.full(n, np.nan), np.full(n, np.nan)
     ratios[kept], rms_px[kept] = kept_ratios, fit.picture_rms_px
-    reasons: list[Reason] = [""] * n
+    reasons: list[OddPairReason] = [""] * n
     for place, k in enumerate(np.flatnonzero(kept).tolist()):
         if stands_out(ratios[k], rms_px[k], SUSPECT):
             reasons[k] = why(held_out(fit, place), sightings, k)
@@ -112,7 +112,7 @@ def stands_out(ratios: npt.ArrayLike, rms_px: npt.ArrayLike, limit: float) -> Ma
     return np.asarray((np.asarray(ratios) > limit) & (np.asarray(rms_px) > least))
 
 
-def why(check: HeldOut, sightings: Sightings, pair: int) -> Reason:
+def why(check: HeldOut, sightings: Sightings, pair: int) -> OddPairReason:
     """Why a pair is not as the others predict."""
     fit = check.fit
     alone = [alone_rms(fit, sightings, pair, side, check.pose) for side in (0, 1)]
@@ -146,7 +146,7 @@ def _flattened(check: HeldOut, sightings: Sightings, pair: int) -> Array:
     return np.asarray(left.reshape(-1, 2))
 
 
-def _start(sightings: Sightings, fit: Fit, pair: int) -> BoardPoses:
+def _start(sightings: Sightings, fit: PicturesFit, pair: int) -> BoardPoses:
     """About where a board was, by the left camera or, where it saw none, by the right one."""
     rig = fit.adjusted.rig
     for side, camera in ((0, rig.left), (1, rig.right)):

@@ -14,9 +14,9 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.statistics import rms
 from rigsim.study.calibrate.depths import DepthStd
 from rigsim.study.calibrate.pictures.asked import PicturesAsked
-from rigsim.study.calibrate.pictures.coverage import Coverage
-from rigsim.study.calibrate.pictures.fit import Fit
-from rigsim.study.calibrate.pictures.outliers import LEAST_OFF_PX, Reason
+from rigsim.study.calibrate.pictures.coverage import CornerCoverage
+from rigsim.study.calibrate.pictures.fit import PicturesFit
+from rigsim.study.calibrate.pictures.outliers import LEAST_OFF_PX, OddPairReason
 from rigsim.study.calibrate.pictures.pairs import PicturePair
 from rigsim.study.calibrate.pictures.sightings import Sightings
 from rigsim.study.calibrate.plan.result import NextPose
@@ -45,7 +45,7 @@ class PictureCheck:
     """What both files are called."""
     verdict: PictureVerdict
     """What became of it."""
-    reason: Reason
+    reason: OddPairReason
     """Why it is an outlier; empty where it is none."""
     corners: tuple[int, int]
     """Corners found in the left and the right picture."""
@@ -85,7 +85,7 @@ class CalibratedPictures:
     """The files of each pair, or what a corner file calls them."""
     kept: Mask
     """Which pairs the rig is made from, (n,)."""
-    fit: Fit
+    fit: PicturesFit
     """The rig, and the residuals of those pairs."""
     opencv: FoundRig
     """OpenCV's rig of the same pairs."""
@@ -95,7 +95,7 @@ class CalibratedPictures:
     """What that does to depths."""
     pictures: tuple[PictureCheck, ...]
     """Every pair, in order."""
-    coverage: Coverage
+    coverage: CornerCoverage
     """Where the corners were."""
     warp: WarpCheck
     """Whether the board is flat."""

@@ -14,7 +14,7 @@ from rigsim.rig.arrays import Mask
 from rigsim.study.calibrate.depths import depth_stds
 from rigsim.study.calibrate.pictures.asked import PicturesAsked
 from rigsim.study.calibrate.pictures.coverage import coverage
-from rigsim.study.calibrate.pictures.fit import Fit, adjusted_from, both_sides
+from rigsim.study.calibrate.pictures.fit import PicturesFit, adjusted_from, both_sides
 from rigsim.study.calibrate.pictures.following import following
 from rigsim.study.calibrate.pictures.look import Looked, Seen
 from rigsim.study.calibrate.pictures.order import agreed_order
@@ -84,7 +84,7 @@ def duplicates(sightings: Sightings) -> Mask:
     return copies
 
 
-def warp_check(fit: Fit) -> WarpCheck:
+def warp_check(fit: PicturesFit) -> WarpCheck:
     """The board's warps, if they are looked for, and how likely a flat board looks so."""
     nothing = WarpCheck((np.nan, np.nan), (np.nan, np.nan), 1.0)
     if not fit.parameters.warped:
@@ -148,7 +148,7 @@ def _farthest_px(sightings: Sightings, one: int, other: int) -> float:
     return float(np.nanmax(np.abs(a - b)))
 
 
-def _covariance(fit: Fit) -> CalibrationCovariance:
+def _covariance(fit: PicturesFit) -> CalibrationCovariance:
     if not np.isfinite(fit.noise_px):
         raise MeasurementFailed(
             f"{len(fit.sightings)} pairs have too few corners for what is looked for: give more pictures, or"

@@ -11,7 +11,7 @@ from scipy.special import chdtri
 
 from rigsim.rig.arrays import Array
 from rigsim.study.calibrate.witness.bench import CalibrationBench, CalibrationErrors
-from rigsim.study.calibrate.witness.judge import Found, Slack, judge
+from rigsim.study.calibrate.witness.judge import JudgedErrors, Slack, judge
 from rigsim.study.calibrate.witness.result import CalibrationWitness, WitnessedDepth
 from rigsim.theory.calibration.covariance import CalibrationCovariance
 
@@ -65,7 +65,7 @@ def conclude(
         np.array([one.errors.parameters for one in done]).reshape(count, p), predicted
     )
     misfit, degrees = _misfit(met, done, bench)
-    found = Found(
+    found = JudgedErrors(
         tried=met.tried,
         depth_z=depth_m / np.where(predicted_m > 0, predicted_m, math.nan),
         parameter_square=float(spread.sum()) if bench.in_model else math.nan,

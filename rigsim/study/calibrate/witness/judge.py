@@ -52,7 +52,7 @@ MEASURED = Slack(spread=0.25, mean=0.5, misfit=0.1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Found:
+class JudgedErrors:
     """What many calibrations came to."""
 
     tried: int
@@ -78,7 +78,7 @@ class _Test:
     sigmas: float
 
 
-def judge(name: str, found: Found, slack: Slack) -> Agreement:
+def judge(name: str, found: JudgedErrors, slack: Slack) -> Agreement:
     """What the calibrations come to.
 
     Flagged where the most telling test is beyond `FALSE_ALARMS`; untold where there were fewer than `FEW`, or
@@ -108,7 +108,7 @@ def judge(name: str, found: Found, slack: Slack) -> Agreement:
     return Agreement("agrees", witness, "", "depth spread", finite(ratio), (low, high))
 
 
-def _tests(found: Found, slack: Slack) -> Iterator[_Test]:
+def _tests(found: JudgedErrors, slack: Slack) -> Iterator[_Test]:
     count = len(found.depth_z)
     for z in found.depth_z.T:
         yield _spread("depth spread", float(z.var(ddof=1)), count - 1, slack.spread)

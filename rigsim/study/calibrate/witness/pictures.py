@@ -28,7 +28,7 @@ _SIDES: tuple[Side, Side] = ("left", "right")
 
 
 @dataclass(frozen=True, slots=True)
-class _View:
+class _HeldView:
     """The part of one camera's picture that shows a board."""
 
     board: int
@@ -87,7 +87,7 @@ def found_corners(
     return corners
 
 
-def _view(bench: CalibrationBench, board: int, side: int) -> _View:
+def _view(bench: CalibrationBench, board: int, side: int) -> _HeldView:
     """No more of the camera's picture than is about the board."""
     camera = (bench.truth.left, bench.truth.right)[side]
     rim = bench.poses.points_left(bench.held.outline)[board]
@@ -99,10 +99,10 @@ def _view(bench: CalibrationBench, board: int, side: int) -> _View:
     part = camera.cropped(int(first[0]), int(first[1]), *(int(size) for size in last - first + 1))
     straight = part.lens is not None and not needs_faces(part)
     drawn = wider_intrinsics(part, SUPERSAMPLE) if straight else part.supersampled(SUPERSAMPLE)
-    return _View(board, side, part, drawn, first.astype(np.float64))
+    return _HeldView(board, side, part, drawn, first.astype(np.float64))
 
 
-def _light(simulator: Simulator, view: _View, sensor: Sensor) -> Array:
+def _light(simulator: Simulator, view: _HeldView, sensor: Sensor) -> Array:
     """Grey light (H, W) on the pixels, lens and blur included."""
     fine = simulator.light(view.side, view.drawn).astype(np.float64) @ np.asarray(GREY_WEIGHTS)
     side = _SIDES[view.side]
