@@ -108,6 +108,9 @@ def sweep(options: SweepOptions) -> Sweep:
         mount: Where the rig sits: ``body:NAME``, ``site:NAME`` or ``camera:NAME``.
         assume: The rig that triangulates, where it is another than the true one, which projects.
         perturbation: How the built rig differs from the one that is swept; excludes `assume`.
+        calibration: Path of a covariance.json, plan.json or calibration.json of `rigsim calibrate`: every
+            trial is triangulated with another calibration of its rig, which is taken where none is named, and
+            the prediction holds what that leaves. Excludes `assume` and `perturbation`.
         range_m: Nearest and farthest depth of the truth points, m.
         points: Truth points of each rig.
         trials: Noisy repetitions of each point.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -79,6 +79,14 @@ class SweepWords:
         typer.Option(
             help="The rig that triangulates, where it is another than the true one of --rig, which projects: "
             "a rig.toml, or another calibration."
+        ),
+    ] = None
+    calibration: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="The covariance.json, plan.json or calibration.json of rigsim calibrate: every trial is"
+            " triangulated with another calibration of its rig, and the prediction holds what that leaves.",
         ),
     ] = None
     sensor_width: SensorWidth = None
@@ -177,6 +185,7 @@ def sweep(typed: Mapping[str, str], words: SweepWords, cover: CoverWords, golden
             scene=words.scene,
             mount=words.mount,
             assume=words.assume,
+            calibration=words.calibration,
             range_m=range_m,
             points=words.points,
             trials=words.trials,
@@ -210,7 +219,7 @@ def _disparity_noises_px(typed: Mapping[str, str]) -> tuple[float, ...] | None:
 
 
 def _rigs(typed: Mapping[str, str], words: SweepWords) -> RigOptions:
-    return RigOptions.of(
+    options = RigOptions.of(
         typed,
         rig=words.rig,
         **{name: getattr(words, name) for name in (*READING, *PICTURES)},
@@ -218,6 +227,11 @@ def _rigs(typed: Mapping[str, str], words: SweepWords) -> RigOptions:
         sensor_width=words.sensor_width,
         pixel_pitch=words.pixel_pitch,
     )
+    if words.calibration is None or options.typed():
+        return options
+    from rigsim.api.kit.calibrations import read_calibration_tolerance
+
+    return replace(options, read=read_calibration_tolerance(words.calibration).covariance.rig)
 
 
 def _sensor(options: RigOptions, words: SweepWords) -> dict[str, Any]:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from rigsim.rig.board import Board
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rigsim.rig.board import Board
 
 
 def board(text: str) -> Board:
@@ -15,4 +18,6 @@ def board(text: str) -> Board:
         >>> board("9x6@30mm").text
         '9x6@30mm'
     """
+    from rigsim.rig.board import Board
+
     return Board.of(text)

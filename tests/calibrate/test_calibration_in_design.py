@@ -17,6 +17,7 @@ from rigsim.cli.app import run
 from rigsim.interop.documents.design.document import design_document
 from rigsim.present.design import words
 from rigsim.present.design.console import sentences
+from rigsim.present.design.page import design_html
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
@@ -145,6 +146,8 @@ def test_the_answer_tells_noise_and_calibration_apart(file: Path) -> None:
 def test_what_is_said_and_remarked(file: Path) -> None:
     found = _design(20, file, min_baseline_mm=300)
     said = " ".join(sentences(found, ()))
+    assert "and what its calibration leaves" in design_html(found, (), None, "")
+    assert "and what its calibration leaves" not in design_html(_design(20, None), (), None, "")
     assert "Noise and calibration add as squares, depth error at 3 m: " in said
     assert "(plan.json, 12 planned pictures)" in said
     pick = found.candidates[0]

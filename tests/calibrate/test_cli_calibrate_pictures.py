@@ -14,7 +14,7 @@ import rigsim as front
 from rigsim.interop.formats.rig_toml import read_rig
 from rigsim.study.calibrate.pictures.look import look
 from rigsim.study.calibrate.pictures.pairs import PicturePair
-from tests.helpers.board_photos import PHOTO_BOARD, PHOTO_RIG, photograph
+from tests.helpers.calibrate.board_photos import PHOTO_BOARD, PHOTO_RIG, photograph
 from tests.helpers.cli import Done, rigsim
 from tests.helpers.documents import misplaced, valid
 

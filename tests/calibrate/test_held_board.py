@@ -11,7 +11,7 @@ from rigsim.rig.board import Board
 from rigsim.rig.pose import Pose
 from rigsim.sim.scenes.held import held_board, hold
 from rigsim.sim.simulator import Simulator
-from tests.helpers.benches import RIG
+from tests.helpers.board_pictures import RIG
 
 BOARD = Board(7, 5, 0.03)
 """Of its corner squares two are dark and two light: a mirrored one has them the other way round."""
@@ -34,6 +34,23 @@ def test_corners_are_where_the_rig_projects_the_boards(left_from_board: Pose) ->
         assert np.abs(corners - uv).max() < 0.03
         first, second = uv[[0, 1, 7, 8]].mean(axis=0), uv[[1, 2, 8, 9]].mean(axis=0)
         assert level(grey, first) == level(grey, 2 * uv[0] - first) < level(grey, second) / 3
+
+
+def test_a_warped_board_is_drawn_as_bent_as_it_is() -> None:
+    """Corners in its middle lie several pixels beside where a flat one's would."""
+    warped = Board(7, 5, 0.03, (0.012, -0.006))
+    expected = FRONT.apply(warped.points)
+    with Simulator(held_board(warped, 1.0)) as simulator:
+        hold(simulator.scene, RIG, warped, FRONT)
+        lights = [simulator.light(side, (RIG.left, RIG.right)[side].supersampled(2)) for side in (0, 1)]
+    flat = RIG.project(FRONT.apply(BOARD.points))
+    for fine, uv, uv_of_flat in zip(lights, RIG.project(expected), flat, strict=True):
+        grey = fine.mean(axis=2).reshape(480, 2, 640, 2).mean(axis=(1, 3))
+        (found,) = find_sizes(grey, [(5, 7)])
+        assert np.abs(found.uv[nearest_order(found, uv)] - uv).max() < 0.05
+        assert np.abs(uv - uv_of_flat).max() > 2
+        first, second = uv[[0, 1, 7, 8]].mean(axis=0), uv[[1, 2, 8, 9]].mean(axis=0)
+        assert level(grey, first) < level(grey, second) / 3
 
 
 def level(grey: Array, uv: Array) -> float:

@@ -7,10 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rigsim.rig.board import Board
 from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.study.calibrate.witness.measured import fix_for_opencv, measure_calibrations
+from rigsim.theory.calibration.adjust import adjust
 from rigsim.theory.calibration.parameters import RigParameters
-from tests.helpers.benches import small_bench
+from tests.helpers.board_pictures import small_bench
 
 
 def test_rendered_boards_scatter_as_predicted_at_the_noise_found() -> None:
@@ -69,3 +71,14 @@ def test_what_is_held_is_handed_to_opencv_where_it_can(
     fix: tuple[str, ...], held: tuple[str, ...] | None
 ) -> None:
     assert fix_for_opencv(RigParameters.of((BrownConrady, BrownConrady), fix=fix)) == held
+
+
+def test_a_warped_board_leaves_the_bias_that_exact_corners_have() -> None:
+    bench = replace(small_bench(boards=6), true_board=Board(7, 5, 0.03, (0.002, 0.002)))
+    found = measure_calibrations(bench, count=2, seed=1)
+    exact = adjust(bench.rig, bench.parameters, bench.board, bench.poses, bench.exact)
+    bias_m = bench.errors(exact.rig, exact.poses).depth_m
+    assert found.misfit > 1.5
+    for depth, expected_m in zip(found.depths, bias_m, strict=True):
+        assert depth.mean_m == pytest.approx(expected_m, abs=4 * depth.predicted_m)
+        assert abs(expected_m) > 5 * depth.predicted_m

@@ -53,7 +53,10 @@ def test_what_the_package_imports_is_declared() -> None:
     assert {origin.get(name, name) for name in foreign} <= names
 
 
-@pytest.mark.parametrize("words", [["--help"], ["--version"], ["calc", "--help"], ["calc", "point", "-h"]])
+@pytest.mark.parametrize(
+    "words",
+    [["--help"], ["--version"], ["calc", "--help"], ["calc", "point", "-h"], ["calibrate", "plan", "-h"]],
+)
 def test_help_loads_no_numbers(words: list[str]) -> None:
     loaded = {name.partition(".")[0] for name in modules_after(*words)}
     assert "typer" in loaded

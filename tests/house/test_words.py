@@ -56,6 +56,7 @@ REASONS = (
     "rig/remarks.py",
     "golden/compare.py",
     "sweep/run.py",
+    "tolerance/joint/cause.py",
     "sweep/advice.py",
     "triangulators/isolated.py",
     "verify/golden.py",

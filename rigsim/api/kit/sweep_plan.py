@@ -9,6 +9,7 @@ from typing import Any, cast
 
 from rigsim.api.kit import rendering
 from rigsim.api.kit.asked import DepthError
+from rigsim.api.kit.calibrations import read_calibration_tolerance
 from rigsim.api.kit.sensors import TYPICAL_NOISE_GREY, SensorOptions, sensor_labels
 from rigsim.api.rigs import RigLike, Several, Sizes, Told, read_rig, rig_file, rig_for, told_of
 from rigsim.errors import InvalidRange
@@ -47,6 +48,7 @@ class SweepOptions:
     mount: str | None = None
     assume: RigLike | None = None
     perturbation: Perturbation | None = None
+    calibration: str | os.PathLike[str] | None = None
     range_m: tuple[float, float] | None = None
     points: int = 2000
     trials: int = 100
@@ -131,6 +133,8 @@ def swept(options: SweepOptions) -> object:
     if rigs is None:
         if not said:
             raise InvalidRange("no rig to sweep: give one, as in rig='oak-d', or a RigGrid")
+        if options.rig is None and options.calibration is not None:
+            return _grid(read_calibration_tolerance(options.calibration).covariance.rig, options)
         return _grid(rig_for(options.rig, str(options.scene)), options)
     both = [name for name in said if name == "rig" or name in _AXES]
     both += sorted({axis.name for axis in registry.OF_RIG} & set(options.more or {}))
@@ -161,6 +165,7 @@ def plan_of(options: SweepOptions) -> tuple[Plan, tuple[Remark, ...]]:
         rectify=view_of(options.rectify),
         assumed=assumed,
         perturbation=perturbation,
+        calibration=None if options.calibration is None else read_calibration_tolerance(options.calibration),
         timeout_s=None if options.in_process else options.timeout_s,
         asked=tuple(axis.columns[0].name for axis in registry.ALL if axis.name in (options.more or {})),
         sensors=sensors,

@@ -24,7 +24,7 @@ _CAUSES: Mapping[str, str] = MappingProxyType(
     }
 )
 _SOURCES: Mapping[str, str] = MappingProxyType(
-    {"aluminium": "aluminium", "estimate": "estimate", "calibrated": "tolerance's calibrated"}
+    {"aluminium": "aluminium", "estimate": "estimate", "calibrated": "tolerance class"}
 )
 
 

@@ -123,7 +123,9 @@ def plan_html(
 
 def bench_sentences(plan: CalibrationPlan) -> list[str]:
     """What somebody at the bench has to know."""
-    near, far = (distance_words(each) for each in (plan.asked.reach.near_m, plan.asked.reach.far_m))
+    held = holdings(plan.asked.rig, plan.asked.board, plan.poses, plan.seen)
+    distances = [one.distance_m for one in held]
+    near, far = distance_words(min(distances)), distance_words(max(distances))
     return [
         f"Take {pictures(len(plan.poses))} with both cameras at the same moment, {near} to {far} away: board"
         " and rig still, all of the board sharp and in the picture. Do not touch focus, zoom or the mount"
@@ -143,11 +145,11 @@ def cards(plan: CalibrationPlan) -> list[PoseCard]:
 def _columns(plan: CalibrationPlan) -> int:
     """Cards beside each other on paper: as few as let all of them stand on one A4 page."""
     camera = plan.asked.rig.left
-    for columns in (3, 4):
+    for columns in (3, 4, 5):
         height_mm = (_PAGE_MM / columns / 2 - 3) * camera.height / camera.width + _TEXT_MM
         if height_mm * -(-len(plan.poses) // columns) <= _CARDS_MM:
             return columns
-    return 4
+    return columns
 
 
 def _card(plan: CalibrationPlan, which: int, held: Holding) -> PoseCard:

@@ -114,16 +114,20 @@ def enough_sentence(plan: CalibrationPlan) -> str:
 
 
 def gain_sentence(plan: CalibrationPlan) -> str:
-    """What choosing the poses is worth; empty where they were given."""
-    if not isinstance(plan.asked.poses, int):
-        return ""
+    """What choosing the poses is worth, or would be where they were given; empty where that is nothing."""
     point = next((one for one in plan.curve if one.pictures == len(plan.poses)), None)
     if point is None or not math.isfinite(point.random_m) or not point.calibration_m > 0:
         return ""
-    return (
-        f"As many poses at random would leave {length(point.random_m)} of calibration error in the median,"
-        f" {plain(point.random_m / point.calibration_m, 2)} times as much."
+    times = point.random_m / point.calibration_m
+    said = f"As many poses at random would leave {length(point.random_m)} of calibration error in the median"
+    if isinstance(plan.asked.poses, int):
+        return f"{said}, {plain(times, 2)} times as much."
+    reach = plan.asked.reach
+    where = (
+        f"{plain(reach.near_m)} to {plain(reach.far_m)} m away and tilted up to"
+        f" {plain(math.degrees(reach.tilt_rad), 3)}°"
     )
+    return f"{said}, {where}: better than these." if times * _NOTED < 1 else ""
 
 
 def inseparable_sentence(plan: CalibrationPlan) -> str:

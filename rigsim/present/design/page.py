@@ -64,6 +64,7 @@ def design_html(
         held_by=None if tolerance is None else held_by(tolerance),
         proved=bool(proofs),
         headline=headline(design, proofs),
+        calibrated=design.specification.calibration is not None,
         sentences=[*sentences(design, proofs), *([] if tolerance is None else [limit_says(tolerance)])],
         requirements=requirement_rows(design, proofs),
         shown_by=shown_by_words(design, proofs),

@@ -112,6 +112,9 @@ _SAID: dict[Reason, Callable[[Agreement], str]] = {
     "too-far": lambda _: f"every depth is below {LEAST_DEPTH_SIGMAS:g} of its standard deviations",
     "exact": lambda _: "without noise there is no error to compare; every point is found exactly",
     "correlated": lambda _: "with noise this correlated there is no scatter to test",
+    "calibration": lambda _: (
+        "what a calibration leaves is predicted for optimal alone, and this method is another"
+    ),
     "too-few-trials": lambda one: f"{_counted(one)[0]} triangulations are too few",
     "nothing-measured": lambda one: (
         f"nothing was measured ({one.cause or 'no match on a surface that both cameras see'})"

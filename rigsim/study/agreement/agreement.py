@@ -33,6 +33,7 @@ Reason: TypeAlias = Literal[
     "too-far",
     "exact",
     "correlated",
+    "calibration",
     "too-few-trials",
     "nothing-measured",
     "too-few-measured",

@@ -2,7 +2,9 @@
 
 `rigsim.study.agreement.whitened` has the tests. They are run on all points together, on each depth bin,
 and on nine regions and five columns of the left image; points under 4 sigma of depth are in none.
-Bonferroni over all of them holds the false alarms of a row at `FALSE_ALARMS`.
+Bonferroni over all of them holds the false alarms of a row at `FALSE_ALARMS`. Where every trial has another
+calibration, which all of its points share, points are not independent, but the trials of each are: one point
+of each part is tested then.
 """
 
 from __future__ import annotations
@@ -63,6 +65,15 @@ def compare(
         regions: parts of the image.
     """
     whole = Part(None, np.ones(len(stats.count), dtype=bool))
+    if prediction.shares_calibration:
+        if prediction.method != "optimal":
+            return _untold("calibration"), [_untold("calibration") for _ in bins]
+        if 1 < stats.n_trials < FEW:
+            few = Agreement("untold", "simulated", "too-few-trials", count=(stats.n_trials, FEW))
+            return few, [few for _ in bins]
+        # points of one trial share its calibration: of each part one point, whose trials are independent
+        whole, *rest = [_one(part, prediction) for part in (whole, *bins, *regions)]
+        bins, regions = rest[: len(bins)], rest[len(bins) :]
     ahead = [_beforehand(prediction, stats, part.inside) for part in (whole, *bins)]
     if ahead[0] is not None and ahead[0].kind == "untold":
         return ahead[0], [own or ahead[0] for own in ahead[1:]]
@@ -73,7 +84,7 @@ def compare(
         tuple(examine(sums, part.inside[kept])) if sums.count[part.inside[kept]].any() else ()
         for part in parts
     ]
-    if stats.n_trials > 1 and findings[0]:
+    if stats.n_trials > 1 and findings[0] and not prediction.shares_calibration:
         findings[0] += (point_by_point(sums),)
     limit = FALSE_ALARMS / max(sum(map(len, findings)), 1)
     n_bins = len(bins)
@@ -83,6 +94,18 @@ def compare(
     everywhere = [_judge(found, limit, part.place) for found, part in zip(findings, parts, strict=True)]
     failed = [own for own in ahead if own is not None and own.kind == "flagged"]
     return worst([*failed, *everywhere]), told
+
+
+def _one(part: Part, prediction: Prediction) -> Part:
+    """The point of a part that is in the middle of those to be tested, by its depth over the standard
+    deviation of that; the part itself where none is."""
+    places = np.flatnonzero(part.inside & ~prediction.low_disparity)
+    if not len(places):
+        return part
+    middle = places[np.argsort(prediction.depth_sigmas[places], kind="stable")[len(places) // 2]]
+    inside = np.zeros_like(part.inside)
+    inside[middle] = True
+    return Part(part.place, inside)
 
 
 def _beforehand(prediction: Prediction, stats: ErrorStatistics, inside: Mask) -> Agreement | None:

@@ -18,6 +18,7 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.sim.simulator import Simulator
 from rigsim.sim.truth.points import GroundTruth, away, depth_bins, depth_edges_m, image_weights
 from rigsim.study.agreement.fault import Fault
+from rigsim.study.calibrate.drawn import calibrations
 from rigsim.study.scene.columns import Row
 from rigsim.study.scene.pictures import Exposure, expose_pair, without_noise
 from rigsim.study.scene.plan import Plan
@@ -226,12 +227,18 @@ def tried(
     """The same, with the error of a triangulator that breaks in the place of its errors."""
     points_left = truth.points_left[truth.visible]
     rigs = plan.true_and_assumed(rig)
+    covariance = None if plan.calibration is None else plan.calibration.covariance
     predictions = {
-        label_of(method): predict(rigs[1], points_left, noise, method) for method in plan.triangulators
+        label_of(method): predict(rigs[1], points_left, noise, method, covariance)
+        for method in plan.triangulators
     }
     too_far = next(iter(predictions.values())).low_disparity
+    assumed: StereoRig | tuple[StereoRig, ...] = rigs[1]
+    if covariance is not None:
+        rng = plan.stream("calibration", simulator.scene.name, rig, repr(noise), plan.n_trials)
+        assumed = calibrations(covariance, rigs[1], plan.n_trials, rng)
     stats = run_trials(
-        rigs,
+        (rigs[0], assumed),
         points_left,
         noise,
         predictions,

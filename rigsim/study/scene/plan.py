@@ -23,6 +23,7 @@ from rigsim.sim.simulator import SUPERSAMPLE
 from rigsim.study.scene.axes import registry
 from rigsim.study.scene.axes.axis import Axis
 from rigsim.study.scene.recipe import Recipe
+from rigsim.study.tolerance.joint.cause import CalibrationTolerance
 
 Held: TypeAlias = Literal["", "focal", "lens"]
 """What stays between resolutions: the focal length in pixels or the lens; empty when there is but one."""
@@ -167,6 +168,9 @@ class Plan:
     perturbation: Perturbation | None = None
     """How each built rig, which projects, differs from the one that is swept, which is assumed and
     triangulates; excludes `assumed`."""
+    calibration: CalibrationTolerance | None = None
+    """What the calibration of the rig that is swept leaves: every trial is triangulated with another one.
+    Excludes `assumed` and `perturbation`, and goes with one rig."""
     timeout_s: float | None = None
     """How long one call of a ``package.module:function`` may take; it then runs in a process of its own. None
     runs it in this one."""
@@ -192,6 +196,11 @@ class Plan:
         if self.assumed is not None and self.perturbation is not None:
             raise InvalidRange(
                 "an assumed rig and a perturbation both given: they say the same thing, give one"
+            )
+        if self.calibration is not None and (self.assumed is not None or self.perturbation is not None):
+            raise InvalidRange(
+                f"{self.calibration.name} and an assumed rig or a perturbation both given: each says how the"
+                " rig that triangulates is off, give one"
             )
         if self.timeout_s is not None and not self.timeout_s > 0:
             raise InvalidRange(f"timeout {self.timeout_s:g} s: must be > 0")

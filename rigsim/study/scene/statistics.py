@@ -27,8 +27,12 @@ class ErrorStatistics:
     from it are that precise.
     """
 
-    def __init__(self, n_points: int, groups: Ids, n_groups: int) -> None:
-        """`groups` (N,) puts each point into one of `n_groups`; negative leaves it out of the histogram."""
+    def __init__(self, n_points: int, groups: Ids, n_groups: int, *, shared: bool = False) -> None:
+        """`groups` (N,) puts each point into one of `n_groups`; negative leaves it out of the histogram.
+
+        `shared` says that the points of one trial err together.
+        """
+        self.shared = shared
         self.count = np.zeros(n_points)
         self.n_finite = np.zeros(n_points)
         self.n_trials = 0
@@ -169,6 +173,9 @@ def _mean_square_se(stats: ErrorStatistics, kept: Mask, n: int) -> float:
     variance = e4.copy()
     c = count[repeated]
     variance[repeated] = (e4[repeated] - e2[repeated] ** 2 / c) * c / (c - 1)
+    if stats.shared:
+        # no less than whatever the points have in common can make of it
+        return float(np.sqrt(np.maximum(variance, 0.0)).sum()) / n
     return math.sqrt(max(float(variance.sum()), 0.0)) / n
 
 

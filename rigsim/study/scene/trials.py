@@ -5,7 +5,7 @@ The true rig projects; the assumed rig triangulates. With no perturbation they a
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,10 +15,12 @@ from rigsim.rig.arrays import Array, Ids, Mask
 from rigsim.rig.noise import PixelNoise
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.agreement.views import expand_views, predict_views, rays_ahead, views
+from rigsim.study.calibrate.drawn import calibrated_views
 from rigsim.study.scene.plan import Triangulator
 from rigsim.study.scene.statistics import NEAREST_TO_INFINITY, ErrorStatistics
 from rigsim.study.triangulators.registry import falls_short
 from rigsim.theory.blocks import blocks
+from rigsim.theory.calibration.covariance import CalibrationCovariance
 from rigsim.theory.triangulation import triangulate
 from rigsim.theory.uncertainty import (
     LEAST_DEPTH_SIGMAS,
@@ -52,16 +54,22 @@ class Prediction:
     """Share of the noise variance that is rounding and repeats in every trial, 0 to 1."""
     low_disparity: Mask
     """Whether the depth is below `LEAST_DEPTH_SIGMAS` of its own standard deviations."""
+    shares_calibration: bool = False
+    """Whether all points of one trial share the error of one calibration: points are then not independent."""
 
 
 def predict(
-    rig: StereoRig, points_left: Array, noise: PixelNoise, method: Triangulator = "optimal"
+    rig: StereoRig,
+    points_left: Array,
+    noise: PixelNoise,
+    method: Triangulator = "optimal",
+    calibration: CalibrationCovariance | None = None,
 ) -> Prediction:
     """Predict the errors of points (N, 3) m seen through `noise`.
 
     Every triangulator is held to the maximum-likelihood one, but those of textbooks that are known to
     fall short of it (`rigsim.theory.custom.Method.falls_short`): bias and covariance of their error are their
-    own.
+    own. With a `calibration` every trial is triangulated with another one, and what it leaves adds.
     """
     axes = rays_ahead(rig, points_left)
     sigmas, depth_rmse_m = _depths(rig, points_left, noise, axes)
@@ -70,8 +78,12 @@ def predict(
         view_bias, view_covariance = expand_views(rig, points_left, noise, method, axes)
     else:
         view_bias, view_covariance = predict_views(rig, points_left, noise, axes)
+    if calibration is not None:
+        more, own = calibrated_views(calibration, rig, points_left, axes)
+        view_covariance = view_covariance + more
+        sigmas, depth_rmse_m = _with_calibration(points_left, (sigmas, depth_rmse_m), own, axes)
     yardstick = view_covariance
-    if variance_px2 == 0:
+    if variance_px2 == 0 and calibration is None:
         _, yardstick = predict_views(rig, points_left, PixelNoise(1.0), axes)
     return Prediction(
         method=method,
@@ -82,7 +94,23 @@ def predict(
         depth_sigmas=sigmas,
         rounding=noise.quantization_px**2 / 12 / variance_px2 if variance_px2 else 0.0,
         low_disparity=sigmas < LEAST_DEPTH_SIGMAS,
+        shares_calibration=calibration is not None,
     )
+
+
+def _with_calibration(
+    points_left: Array, by_noise: tuple[Array, Array], own: Array, axes: Array | None
+) -> tuple[Array, Array]:
+    """What `_depths` says `by_noise` alone, with the covariance (N, 3, 3) m^2 that a calibration adds."""
+    sigmas, depth_rmse_m = by_noise
+    along = np.broadcast_to(np.eye(3)[2], points_left.shape) if axes is None else axes[:, 2]
+    far_m = points_left[:, 2] if axes is None else np.linalg.norm(points_left, axis=1)
+    more_m2 = np.einsum("ni,nij,nj->n", along, own, along)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        both = far_m / np.sqrt((far_m / sigmas) ** 2 + more_m2)
+    if axes is None:
+        return both, _depth_rmse_m(far_m, both)
+    return both, np.sqrt(depth_rmse_m**2 + own[:, 2, 2])
 
 
 def _depths(rig: StereoRig, points_left: Array, noise: PixelNoise, axes: Array | None) -> tuple[Array, Array]:
@@ -123,7 +151,7 @@ def _depth_rmse_m(depth_m: Array, sigmas: Array) -> Array:
 
 
 def run_trials(
-    rigs: tuple[StereoRig, StereoRig],
+    rigs: tuple[StereoRig, StereoRig | Sequence[StereoRig]],
     points_left: Array,
     noise: PixelNoise,
     predictions: Mapping[str, Prediction],
@@ -137,7 +165,7 @@ def run_trials(
     Memory stays bounded whatever `n_trials` is.
 
     Args:
-        rigs: the true one and the assumed one.
+        rigs: the true one and the assumed one, or one for every trial.
         points_left: the points.
         noise: of the pixels.
         predictions: of each triangulator, by its label.
@@ -150,9 +178,13 @@ def run_trials(
     """
     n = len(points_left)
     n_groups = int(groups.max(initial=-1)) + 1
-    result = {label: ErrorStatistics(n, groups, n_groups) for label in predictions}
+    result = {
+        label: ErrorStatistics(n, groups, n_groups, shared=predicted.shares_calibration)
+        for label, predicted in predictions.items()
+    }
     broken: dict[str, TriangulatorError] = {}
-    true_rig, assumed_rig = rigs
+    true_rig, assumed = rigs
+    done = 0
     uv_left, uv_right = true_rig.project(points_left)
     axes = rays_ahead(true_rig, points_left)
     true_views = views(points_left, axes)
@@ -165,7 +197,11 @@ def run_trials(
             if label in broken:
                 continue
             try:
-                found_left = triangulate(assumed_rig, flat_left, flat_right, predicted.method)
+                if isinstance(assumed, StereoRig):
+                    found_left = triangulate(assumed, flat_left, flat_right, predicted.method)
+                else:
+                    own = zip(assumed[done : done + size], noisy_left, noisy_right, strict=True)
+                    found_left = np.stack([triangulate(*one, predicted.method) for one in own])
             except TriangulatorError as error:
                 broken[label] = error
                 continue
@@ -175,6 +211,7 @@ def run_trials(
             result[label].add(
                 found_left - points_left, error_view, predicted.whitening, predicted.depth_sigmas
             )
+        done += size
     return result | broken
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -30,6 +30,7 @@ from rigsim.study.sweep.limits import limits, swept_axes
 from rigsim.study.sweep.processes import run_all
 from rigsim.study.sweep.requirement import DepthRequirement, answer_first, hold_rows
 from rigsim.study.sweep.result import SweepResult
+from rigsim.study.tolerance.joint.cause import check_rig
 from rigsim.study.triangulators.registry import label as label_of
 from rigsim.study.triangulators.registry import started
 
@@ -69,6 +70,13 @@ def sweep(
             f"{len(todo)} rigs and one that is assumed: it goes with one true rig; "
             "a perturbation goes with every rig"
         )
+    if plan.calibration is not None:
+        if len(todo) > 1:
+            raise InvalidRange(
+                f"{len(todo)} rigs and {plan.calibration.name}, which is the calibration of one: sweep that"
+                " one alone"
+            )
+        check_rig(plan.calibration.covariance.rig, next(iter(todo)), plan.calibration.name)
     if len(todo) == 1:
         plan.true_and_assumed(next(iter(todo)))  # fail before anything is drawn
     if plan.range_m is None:
@@ -205,9 +213,19 @@ def _conclude(
         complete=done.complete,
         broken=done.breakage,
         faults=tuple(fault for outcome in done.outcomes for fault in outcome.faults),
-        remarks=done.remarks,
+        remarks=(*done.remarks, *_calibration_remarks(plan)),
         requirements=held,
     )
+
+
+def _calibration_remarks(plan: Plan) -> Iterator[Remark]:
+    if plan.calibration is not None:
+        yield Remark(
+            "calibration",
+            f"every trial is triangulated with another calibration of the rig ({plan.calibration.name},"
+            f" {plan.calibration.source}): predicted and simulated errors hold both noise and calibration, as"
+            " squares; pictures are measured with the exact rig",
+        )
 
 
 def _showcase(simulator: Simulator, rig: StereoRig, row: int, plan: Plan) -> Showcase:

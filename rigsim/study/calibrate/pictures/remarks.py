@@ -120,7 +120,8 @@ def _rig(result: CalibratedPictures) -> Iterator[Remark]:
         ("left", result.rig.left, result.opencv.rig.left),
         ("right", result.rig.right, result.opencv.rig.right),
     ):
-        alike = (result.fit.sightings.weights == 1).all() and result.fit.sightings.cameras.all()
+        found_by = result.fit.sightings.found
+        alike = (result.fit.sightings.weights == 1).all() and (found_by[:, 0] == found_by[:, 1]).all()
         same_words = not result.asked.warp and not any("." in word for word in result.asked.fix)
         for name in ("fx", "fy", "cx", "cy"):
             k = result.covariance.names.index(f"{side}.{name}")

@@ -9,7 +9,7 @@ from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.calibrate.pictures.look import Looked
+from rigsim.study.calibrate.pictures.look import Looked, Seen
 from rigsim.study.calibrate.pictures.pairs import PicturePair
 from rigsim.study.calibrate.pictures.sightings import Sightings
 from tests.helpers.board_pictures import boards_in_view
@@ -36,5 +36,6 @@ def sightings(
 def looked(found: Sightings) -> Looked:
     """As pictures would have shown them."""
     pairs = tuple(PicturePair(f"left{name}.png", f"right{name}.png") for name in found.names)
-    seen = [tuple("found" if side else "not_found" for side in cameras) for cameras in found.cameras]
-    return Looked(found, pairs, tuple((left, right) for left, right in seen))
+    words: tuple[Seen, Seen] = ("not_found", "found")
+    seen = [(words[int(left)], words[int(right)]) for left, right in found.cameras]
+    return Looked(found, pairs, tuple(seen))

@@ -143,3 +143,18 @@ def test_the_page_has_a_card_a_pose_and_no_network() -> None:
     assert "rigsim calibrate plan &lt;&amp;&gt;" in page
     assert "http" not in page.replace("http://www.w3.org", "")
     assert "<script" not in page
+
+
+def test_choosing_is_told_where_it_pays() -> None:
+    chosen = replace(PLAN, asked=replace(PLAN.asked, poses=12))
+    point = next(one for one in PLAN.curve if one.pictures == 12)
+    assert f"{point.random_m * 1e3:.2f} mm" in plan_words.gain_sentence(chosen)
+    assert "1.5 times as much" in plan_words.gain_sentence(chosen)
+    given = replace(PLAN, asked=replace(PLAN.asked, poses=PLAN.poses))
+    assert plan_words.gain_sentence(given) == ""  # random ones are worse
+    better = tuple(replace(one, random_m=one.calibration_m / 2) for one in PLAN.curve)
+    assert plan_words.gain_sentence(replace(given, curve=better)).endswith(
+        "0.4 to 1.2 m away and tilted up to 40°: better than these."
+    )
+    assert plan_words.order_sentence(given) == "In the order of the file."
+    assert plan_words.order_sentence(chosen).startswith("Best first")
