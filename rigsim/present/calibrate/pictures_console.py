@@ -58,13 +58,11 @@ def print_pictures(result: CalibratedPictures, folder: Path | None = None) -> No
         console.print()
     if folder is not None:
         console.print(f"Files: {folder}", soft_wrap=True)
-        rig = shlex.quote(str(folder / "rig.toml"))
+        rig, covariance = (shlex.quote(str(folder / name)) for name in ("rig.toml", "covariance.json"))
         paragraph(
             console,
-            f"Next: `rigsim export rig --rig {rig} --help` lists the formats of other programs; `rigsim"
-            " tolerance"
-            f" --rig {rig} --class {shlex.quote(str(folder / 'covariance.json'))}` counts what the"
-            " calibration leaves.",
+            f"Next: `rigsim export rig --rig {rig} --format opencv` (or kalibr, ros, ...) writes it for other"
+            f" programs; `rigsim tolerance --class {covariance}` counts what it leaves.",
         )
 
 
