@@ -34,7 +34,7 @@ from rigsim.theory.calibration.information import board_information
 from rigsim.theory.calibration.parameters import RigParameters
 from rigsim.theory.inverse import Camera, Requirement
 from rigsim.theory.inverse_error import P95_OVER_STD
-from tests.helpers.covariances import BOARD, random_poses, written
+from tests.helpers.calibrate.covariances import BOARD, random_poses, written
 
 CAMERA = Camera(1280, 960, 1000.0)
 EVEN = CalibrationDisparity(np.array([5.0, 50.0]), np.array([0.3, 0.3]))

@@ -23,7 +23,7 @@ from rigsim.study.calibrate.drawn import calibrated_views, calibrations
 from rigsim.study.scene.statistics import ErrorStatistics, summarize
 from rigsim.study.scene.trials import Prediction, predict, run_trials
 from rigsim.theory.calibration.covariance import CalibrationCovariance
-from tests.helpers.covariances import calibrated, written
+from tests.helpers.calibrate.covariances import calibrated, written
 
 NOISE = PixelNoise(0.1)
 RIG = StereoRig.rectified(Intrinsics.from_focal(640, 480, 500.0), 0.1)

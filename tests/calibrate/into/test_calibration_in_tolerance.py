@@ -36,7 +36,7 @@ from rigsim.study.tolerance.sensitivities import first_order, shared_points
 from rigsim.study.tolerance.sobol import combine, estimate
 from rigsim.theory.calibration.covariance import CalibrationCovariance
 from rigsim.theory.calibration.parameters import RigParameters
-from tests.helpers.covariances import calibrated, written
+from tests.helpers.calibrate.covariances import calibrated, written
 from tests.helpers.sampling import close
 
 PLAIN = StereoRig.rectified(Intrinsics.from_focal(640, 480, 500.0), 0.1)

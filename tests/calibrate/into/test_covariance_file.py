@@ -18,7 +18,7 @@ from rigsim.interop.documents.text import json_text
 from rigsim.interop.files.covariance import read_covariance, read_sourced
 from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.lens.kannala_brandt import KannalaBrandt
-from tests.helpers.covariances import SOURCE, calibrated, written
+from tests.helpers.calibrate.covariances import SOURCE, calibrated, written
 
 
 @pytest.mark.parametrize("kind", ["pinhole", "brown", "fisheye", "warped"])

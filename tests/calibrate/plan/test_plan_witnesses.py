@@ -15,9 +15,9 @@ from rigsim.present.calibrate.witness_words import agreement_words, witness_rows
 from rigsim.study.agreement.agreement import Agreement
 from rigsim.study.calibrate.drift import drift
 from rigsim.study.calibrate.witness.result import CalibrationWitness, WitnessedDepth
+from tests.helpers.calibrate.plans import made_plan
 from tests.helpers.cli import rigsim as run
 from tests.helpers.documents import misplaced, valid
-from tests.helpers.plans import made_plan
 
 DEPTH = WitnessedDepth(2.0, 0.001, 0.00104, -0.0002, (0.96, 1.13))
 WITNESS = CalibrationWitness(

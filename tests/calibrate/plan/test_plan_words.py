@@ -17,7 +17,7 @@ from rigsim.study.calibrate.estimated import estimates
 from rigsim.study.calibrate.plan.asked import DepthGoal
 from rigsim.study.calibrate.plan.result import CalibrationPlan, CurvePoint, PicturesNeeded, Remedy
 from rigsim.study.calibrate.projection import projection_map
-from tests.helpers.plans import made_plan
+from tests.helpers.calibrate.plans import made_plan
 
 PLAN = made_plan()
 

@@ -12,7 +12,7 @@ from rigsim.rig.board import Board
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
-from tests.helpers.board_pictures import boards_in_view
+from tests.helpers.calibrate.board_pictures import boards_in_view
 
 PHOTO_BOARD = Board(6, 5, 0.03)
 PHOTO_RIG = StereoRig(

@@ -12,7 +12,7 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.study.calibrate.pictures.look import Looked, Seen
 from rigsim.study.calibrate.pictures.pairs import PicturePair
 from rigsim.study.calibrate.pictures.sightings import Sightings
-from tests.helpers.board_pictures import boards_in_view
+from tests.helpers.calibrate.board_pictures import boards_in_view
 
 BOARD = Board(9, 6, 0.03)
 RIG = StereoRig(

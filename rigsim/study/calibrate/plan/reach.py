@@ -96,9 +96,13 @@ def _none() -> ReachedPoses:
 
 
 def _rim(board: Board) -> Array:
-    """The corners all round (k, 3) m."""
+    """Points (k, 3) m all round, half a square outside the corners: finders need what is around a corner."""
     grid = replace(board, warp_m=(0.0, 0.0)).points.reshape(board.rows, board.cols, 3)
-    return np.concatenate([grid[0], grid[-1], grid[1:-1, 0], grid[1:-1, -1]])
+    (w, h), half = board.size_m, board.square_m / 2
+    rim = np.concatenate([grid[0], grid[-1], grid[1:-1, 0], grid[1:-1, -1]])
+    outwards = np.array([(w + 2 * half) / w, (h + 2 * half) / h, 1.0])
+    middle = np.array([w / 2, h / 2, 0.0])
+    return np.asarray(middle + (rim - middle) * outwards)
 
 
 def _project(rig: StereoRig, poses: BoardPoses, points_board: Array) -> Array:

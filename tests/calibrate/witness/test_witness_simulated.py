@@ -14,7 +14,7 @@ from rigsim.study.calibrate.witness.bench import CalibrationBench
 from rigsim.study.calibrate.witness.simulated import simulate_calibrations
 from rigsim.theory.calibration.adjust import adjust
 from rigsim.theory.calibration.parameters import RigParameters
-from tests.helpers.board_pictures import RIG, small_bench
+from tests.helpers.calibrate.board_pictures import RIG, small_bench
 
 COUNT = 60
 

@@ -23,7 +23,7 @@ from rigsim.study.calibrate.pictures.outliers import sort_out
 from rigsim.study.calibrate.pictures.result import CalibratedPictures
 from rigsim.study.calibrate.pictures.run import calibrate_pictures, duplicates, warp_check
 from rigsim.study.calibrate.pictures.sightings import Sightings
-from tests.helpers.board_pictures import boards_in_view
+from tests.helpers.calibrate.board_pictures import boards_in_view
 from tests.helpers.calibrate.sighted import BOARD, RIG, looked, sightings
 
 ASKED = PicturesAsked(BOARD, following=False)

@@ -25,7 +25,7 @@ from rigsim.theory.calibration.covariance import (
 from rigsim.theory.calibration.information import board_information
 from rigsim.theory.calibration.parameters import RigParameters
 from rigsim.theory.triangulation import triangulate
-from tests.helpers.board_rigs import BOARD, ESTIMATED, RIG, held
+from tests.helpers.calibrate.board_rigs import BOARD, ESTIMATED, RIG, held
 
 POINTS = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 3.0], [0.3, -0.2, 1.5]])
 counts = st.integers(5, 9)

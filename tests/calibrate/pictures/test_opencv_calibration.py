@@ -17,7 +17,7 @@ from rigsim.rig.lens.mei import Mei
 from rigsim.rig.lens.rational import Rational
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
-from tests.helpers.board_pictures import boards_in_view
+from tests.helpers.calibrate.board_pictures import boards_in_view
 
 BOARD = Board(9, 6, 0.03)
 SIZES = ((1280, 960), (1280, 960))

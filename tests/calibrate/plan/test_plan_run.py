@@ -22,7 +22,7 @@ from rigsim.study.calibrate.plan.run import plan_covariance, run_plan
 from rigsim.theory.calibration.boards import BoardPoses
 from rigsim.theory.calibration.parameters import RigParameters
 from rigsim.theory.uncertainty import predict_depth_std
-from tests.helpers.board_rigs import ESTIMATED, RIG
+from tests.helpers.calibrate.board_rigs import ESTIMATED, RIG
 
 ASKED = PlanAsked(RIG, ESTIMATED, Board(7, 5, 0.03), poses=8, at_m=(1.0, 2.0, 4.0))
 GIVEN = run_plan(replace(ASKED, poses=12, seed=3)).poses

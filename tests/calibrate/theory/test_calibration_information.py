@@ -15,7 +15,7 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.theory.calibration.boards import BoardPoses
 from rigsim.theory.calibration.information import board_information, slopes
 from rigsim.theory.calibration.parameters import RigParameters
-from tests.helpers.board_rigs import BOARD, ESTIMATED, RIG, held
+from tests.helpers.calibrate.board_rigs import BOARD, ESTIMATED, RIG, held
 
 LENSES: tuple[Lens | None, ...] = (
     None,

@@ -11,7 +11,7 @@ from rigsim.rig.board import Board
 from rigsim.rig.pose import Pose
 from rigsim.sim.scenes.held import held_board, hold
 from rigsim.sim.simulator import Simulator
-from tests.helpers.board_pictures import RIG
+from tests.helpers.calibrate.board_pictures import RIG
 
 BOARD = Board(7, 5, 0.03)
 """Of its corner squares two are dark and two light: a mirrored one has them the other way round."""

@@ -15,7 +15,7 @@ from rigsim.theory.calibration.adjust import adjust
 from rigsim.theory.calibration.boards import BoardPoses
 from rigsim.theory.calibration.information import board_information
 from rigsim.theory.calibration.parameters import RigParameters
-from tests.helpers.board_pictures import RIG, boards_in_view
+from tests.helpers.calibrate.board_pictures import RIG, boards_in_view
 
 BOARD = Board(7, 5, 0.03)
 PARAMETERS = RigParameters.of((BrownConrady, BrownConrady))

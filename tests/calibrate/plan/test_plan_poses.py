@@ -26,7 +26,7 @@ from rigsim.study.calibrate.plan.run import plan_covariance
 from rigsim.study.calibrate.plan.terms import DepthTerms, depth_terms
 from rigsim.theory.calibration.boards import BoardPoses, rotations, whole
 from rigsim.theory.calibration.parameters import RigParameters
-from tests.helpers.board_rigs import ESTIMATED, RIG
+from tests.helpers.calibrate.board_rigs import ESTIMATED, RIG
 
 ASKED = PlanAsked(RIG, ESTIMATED, Board(7, 5, 0.03), at_m=(1.0, 2.0, 4.0), flatness_m=1e-4)
 

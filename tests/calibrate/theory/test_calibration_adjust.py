@@ -19,7 +19,7 @@ from rigsim.theory.calibration.covariance import covariance_of
 from rigsim.theory.calibration.flatness import warp_moves, with_warps, without_warps
 from rigsim.theory.calibration.information import board_information
 from rigsim.theory.calibration.parameters import RigParameters
-from tests.helpers.board_rigs import BOARD, ESTIMATED, RIG, held, with_noise
+from tests.helpers.calibrate.board_rigs import BOARD, ESTIMATED, RIG, held, with_noise
 
 PLAIN = StereoRig(replace(RIG.left, lens=None), replace(RIG.right, lens=None), RIG.right_from_left)
 PINHOLES = RigParameters.of((None, None))

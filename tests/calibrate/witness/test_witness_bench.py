@@ -15,7 +15,7 @@ from rigsim.rig.stereo import StereoRig
 from rigsim.study.calibrate.witness.bench import boards_motion, change_of, depth_errors
 from rigsim.theory.calibration.boards import BoardPoses
 from rigsim.theory.calibration.parameters import RigParameters
-from tests.helpers.board_pictures import RIG, small_bench
+from tests.helpers.calibrate.board_pictures import RIG, small_bench
 
 POINTS = np.array([[0.0, 0.0, 1.0], [0.1, -0.05, 2.0]])
 STILL = Pose()

@@ -14,7 +14,7 @@ from rigsim.study.calibrate.plan.asked import PlanAsked, Reach
 from rigsim.study.calibrate.plan.result import CalibrationPlan
 from rigsim.study.calibrate.plan.run import run_plan
 from rigsim.study.calibrate.witness.run import run_witnesses
-from tests.helpers.board_pictures import RIG, small_bench
+from tests.helpers.calibrate.board_pictures import RIG, small_bench
 
 
 @cache

@@ -16,7 +16,7 @@ from rigsim.rig.lens.rational import Rational
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.calibrate.plan.free import estimated
 from rigsim.study.calibrate.plan.models import in_model, lens_model, own_model, seldom_estimated
-from tests.helpers.board_rigs import RIG
+from tests.helpers.calibrate.board_rigs import RIG
 from tests.helpers.sampling import RIGS
 
 BENT = BrownConrady(-0.12, 0.03, 0.001, -0.0015, -0.004)

@@ -12,7 +12,7 @@ from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.study.calibrate.witness.measured import fix_for_opencv, measure_calibrations
 from rigsim.theory.calibration.adjust import adjust
 from rigsim.theory.calibration.parameters import RigParameters
-from tests.helpers.board_pictures import small_bench
+from tests.helpers.calibrate.board_pictures import small_bench
 
 
 def test_rendered_boards_scatter_as_predicted_at_the_noise_found() -> None:
