@@ -40,8 +40,14 @@ def test_poses_are_within_reach_and_seen() -> None:
     assert reached.both.sum() == 120
     assert len(reached) > 120
     uv = reached.poses.project(RIG, ASKED.board)
-    # one camera alone: the other one shows less than the whole board
-    np.testing.assert_array_equal(whole(RIG, uv, 10.0), reached.seen)
+    # one camera alone: the other one shows less than the board and half a square around its corners
+    (w, h), half = ASKED.board.size_m, ASKED.board.square_m / 2
+    rim = reached.poses.points_left(
+        np.array([[x, y, 0.0] for x in (-half, w + half) for y in (-half, h + half)])
+    )
+    around = np.stack([RIG.left.project(rim), RIG.right.project(RIG.right_from_left.apply(rim))], axis=1)
+    np.testing.assert_array_equal(whole(RIG, around, 10.0), reached.seen)
+    assert whole(RIG, uv, 10.0)[reached.seen].all()
     assert smallest_square_px(uv, ASKED.board)[reached.seen].min() >= LEAST_SQUARE_PX
     distance = np.linalg.norm(reached.poses.points_left(middle_of(ASKED.board)[None])[:, 0], axis=1)
     assert distance.min() >= 0.4
