@@ -128,7 +128,7 @@ def test_the_changelog_is_kept():
 def test_the_gallery_names_the_commands_that_make_it():
     text = (ROOT / "reports" / "README.md").read_text()
     made = sorted(path.name for path in (ROOT / "reports" / "gallery").iterdir())
-    assert made == sorted(re.findall(r"\(gallery/([\w-]+)/report\.html\)", text))
+    assert made == sorted(re.findall(r"\(gallery/([\w-]+)/(?:report|plan)\.html\)", text))
     for name in made:
         assert f"--out reports/gallery/{name} --force" in text
 
