@@ -34,7 +34,9 @@ def headline(plan: CalibrationPlan) -> str:
         return f"{said}."
     wanted = f"{plain(goal.error_m * 1e3)} mm"
     if needed.count is None:
-        return f"{said}; no number of pictures gives {wanted}."
+        least = enough(plan)
+        more = "" if least is None else f", and more than {pictures(least)} hardly help"
+        return f"{said}; no number of pictures gives {wanted}{more}."
     if needed.count > len(plan.poses):
         return f"{said}; it takes {needed.count} for {wanted}."
     if needed.count == len(plan.poses):
@@ -179,10 +181,10 @@ def next_sentence(plan: CalibrationPlan) -> str:
     (held,) = holdings(plan.asked.rig, plan.asked.board, BoardPoses.of([found.left_from_board]), seen)
     less = 100 * (1 - found.gain)
     if less < 1:
-        return f"One more picture hardly changes that; it would do the most so: {holding_words(held)}."
+        return f"One more picture hardly changes that; it would do the most here: {holding_words(held)}."
     return (
-        f"One more picture does the most so: {holding_words(held)}; calibration error on the axis {less:.2g}"
-        " % less."
+        f"One more picture would do the most here: {holding_words(held)}; it takes {less:.2g} % off the"
+        " calibration's error on the axis."
     )
 
 
