@@ -10,7 +10,7 @@ from xml.sax.saxutils import escape
 
 HERE = Path(__file__).parent
 INK, GREY, BLUE, ORANGE, GREEN = "#1b1f24", "#6e7781", "#0072b2", "#d55e00", "#009e73"
-USES = ("sweep", "design", "tolerance", "verify", "compare", "infer", "measure")
+USES = ("sweep", "design", "tolerance", "verify", "compare", "infer", "measure", "calibrate")
 
 
 class Drawing:
@@ -154,7 +154,7 @@ def mount() -> str:
 
 def house() -> str:
     """The floors and the use cases."""
-    d = Drawing(960, 610, "The house: floors from cli down to rig, use cases from sweep to measure")
+    d = Drawing(960, 610, "The house: floors from cli down to rig, use cases from sweep to calibrate")
     d.text(20, 30, "floor", GREY, size=13)
     d.text(222, 30, "shared by all", GREY, size=13)
     d.text(400, 30, "use case", GREY, size=13)
@@ -175,8 +175,8 @@ def house() -> str:
             middle = 33 if len(shared) == 1 else 25 + 17 * i
             d.text(296, y + middle, line, at="middle", size=13)
         for i, use in enumerate(USES):
-            d.box(392 + 79 * i, y + 7, 73, 42, "white", GREY)
-            d.text(428.5 + 79 * i, y + 33, use, at="middle", size=13)
+            d.box(390 + 69.5 * i, y + 7, 66, 42, "white", GREY)
+            d.text(423 + 69.5 * i, y + 33, use, at="middle", size=12)
         y += 56 + (2 if name == "present" else 12)
     rooms = (
         ("theory", "what should happen", "predicted", "numpy only", BLUE),
