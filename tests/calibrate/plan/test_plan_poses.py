@@ -154,7 +154,7 @@ def test_a_warp_that_is_looked_for_is_known_a_little() -> None:
         std = plan_covariance(asked, held).depth_std([[0.0, 0.0, 2.0]])[0]
         found.append(std)
         sums = terms.boards.chosen(list(range(12))).total()
-        assert np.sqrt(terms.axis_variance(sums)) == pytest.approx(std, rel=1e-4)
+        assert np.sqrt(terms.axis_noise(sums)) == pytest.approx(std, rel=1e-4)
     flat = plan_covariance(replace(ASKED, flatness_m=0.0), reached.chosen(np.arange(12)))
     assert found[0] > found[1] > found[2]
     assert found[2] == pytest.approx(flat.depth_std([[0.0, 0.0, 2.0]])[0], rel=1e-3)

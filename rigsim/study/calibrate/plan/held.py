@@ -6,12 +6,19 @@ import math
 
 import numpy as np
 
-from rigsim.rig.arrays import Array
+from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.board import Board
 from rigsim.rig.intrinsics import Intrinsics
 from rigsim.study.calibrate.plan.asked import PlanAsked, Reach
-from rigsim.theory.calibration.boards import BoardPoses, rotations
+from rigsim.theory.calibration.boards import BoardPoses, rotations, whole
 
+HELD_TIMES = 20
+"""How often poses are held again, to see what hands make of them."""
+HAND_M, HAND_RAD = 0.03, math.radians(4)
+"""How far a hand misses a pose, standard deviation along and about each axis: the sheet for the bench calls a
+hand's breadth and 10 deg near enough, which are 2.5 of these."""
+_TRIES = (1.0, 1.0, 1.0, 1.0, 0.5, 0.5, 0.25, 0.0)
+"""Shares of a miss: whom it takes out of the picture tries again, more carefully."""
 _ROLL_RAD = math.radians(15)
 _STILL_FLAT_RAD = math.radians(55)
 """A board this far off the axis still stands parallel to the picture; farther out it faces the camera."""
@@ -45,6 +52,21 @@ def facing(board: Board, middle: Array, turn: Array) -> BoardPoses:
 def middle_of(board: Board) -> Array:
     """The middle of a board, flat, in its own frame (3,) m."""
     return np.array([board.size_m[0] / 2, board.size_m[1] / 2, 0.0])
+
+
+def held_by_hand(asked: PlanAsked, poses: BoardPoses, seen: Mask, rng: np.random.Generator) -> BoardPoses:
+    """The poses as somebody holds them who was shown them: a little elsewhere, turned a little about the
+    board's middle, but as `seen` (n, 2) as they were. The first ones do not hang on how many follow."""
+    misses = rng.standard_normal((len(poses), len(_TRIES), 6)) * np.array([HAND_RAD] * 3 + [HAND_M] * 3)
+    middle, arm = poses.points_left(middle_of(asked.board)[None])[:, 0], middle_of(asked.board)
+    R, t, open_ = poses.R.copy(), poses.t.copy(), np.ones(len(poses), dtype=bool)
+    for which, share in enumerate(_TRIES):
+        turn = rotations(share * misses[:, which, :3]) @ poses.R
+        tried = BoardPoses(turn, middle + share * misses[:, which, 3:] - turn @ arm)
+        fits = open_ & (whole(asked.rig, tried.project(asked.rig, asked.board)) | ~seen).all(axis=1)
+        R[fits], t[fits] = tried.R[fits], tried.t[fits]
+        open_ &= ~fits
+    return BoardPoses(R, t)
 
 
 def smallest_square_px(uv: Array, board: Board) -> Array:

@@ -70,4 +70,6 @@ def _with_most_pictures(asked: PlanAsked) -> float:
     reached = random_poses(asked, _CANDIDATES, rng, _CANDIDATES // 4)
     terms = depth_terms(asked, reached, asked.chosen_for_m)
     picks = extended(terms, reached, [], _FEW)
-    return float(np.sqrt(terms.axis_variance(terms.boards.chosen(picks).total().times(MOST_POSES / _FEW))))
+    noise = terms.axis_noise(terms.boards.chosen(picks).total().times(MOST_POSES / _FEW))
+    # twice is enough to see what hands do
+    return float(np.sqrt(noise + PosePool.of(asked, terms, reached, 0).astray(picks * 2)[-1]))

@@ -13,7 +13,7 @@ from rigsim.rig.remark import Remark
 from rigsim.study.calibrate.depths import depth_stds
 from rigsim.study.calibrate.plan.asked import PlanAsked
 from rigsim.study.calibrate.plan.choose import Picks, choose
-from rigsim.study.calibrate.plan.curve import LONG, PosePool, curve, next_pose
+from rigsim.study.calibrate.plan.curve import LONG, PosePool, curve, holds, next_pose
 from rigsim.study.calibrate.plan.explain import check_shared, focal_openness, rim_openness, undetermined
 from rigsim.study.calibrate.plan.given import counted
 from rigsim.study.calibrate.plan.needed import pictures_needed
@@ -23,6 +23,7 @@ from rigsim.study.calibrate.plan.result import CalibrationPlan, Inseparable
 from rigsim.study.calibrate.plan.terms import depth_terms, plan_information
 from rigsim.theory.calibration.covariance import CalibrationCovariance, Undetermined, covariance_of
 from rigsim.theory.calibration.flatness import warp_moves
+from rigsim.theory.calibration.information import BoardInformation
 
 CANDIDATES, ALONE = 450, 100
 """Poses among which is chosen: that both cameras see, and that one alone does."""
@@ -44,7 +45,7 @@ def run_plan(asked: PlanAsked) -> CalibrationPlan:
     drawing, choosing = (np.random.default_rng([asked.seed, stream]) for stream in (0, 1))
     places, picks, remarks = _places(asked, drawing)
     held = places.reached.chosen(np.array(picks, dtype=np.intp))
-    covariance = plan_covariance(asked, held)
+    covariance = plan_covariance(asked, held, by_hand=isinstance(asked.poses, int))
     needed, tried = pictures_needed(asked, places, picks)
     long = places.extended(tried, max(LONG, len(tried)))
     return CalibrationPlan(
@@ -61,8 +62,11 @@ def run_plan(asked: PlanAsked) -> CalibrationPlan:
     )
 
 
-def plan_covariance(asked: PlanAsked, held: ReachedPoses) -> CalibrationCovariance:
+def plan_covariance(asked: PlanAsked, held: ReachedPoses, *, by_hand: bool = False) -> CalibrationCovariance:
     """What boards leave of the rig, whose warp nobody knows if `flatness_m` says so.
+
+    What that does, a bias of poses exactly as they are, is the root mean square over many times that
+    somebody holds them, if they are held `by_hand`.
 
     Raises:
         CalibrationUndetermined: they leave some of it open, and why.
@@ -85,9 +89,30 @@ def plan_covariance(asked: PlanAsked, held: ReachedPoses) -> CalibrationCovarian
         raise undetermined(asked, held, ("the lens coefficients",))
     if parameters.warped or not asked.flatness_m:
         return found
-    per_px = replace(found, matrix=found.matrix / noise_px**2)
-    astray = asked.flatness_m * warp_moves(per_px, held.poses, warping)
-    return replace(found, matrix=found.matrix + astray @ astray.T)
+    alone = _astray(found, held, warping, noise_px)
+    astray = _astray_by_hand(asked, held, alone) if by_hand else alone
+    return replace(found, matrix=found.matrix + asked.flatness_m**2 * astray)
+
+
+def _astray(
+    found: CalibrationCovariance, held: ReachedPoses, warping: BoardInformation, noise_px: float
+) -> Array:
+    """Squares and products (p + 6, p + 6) of what warps do that nobody looks for, per m^2 of each."""
+    moves = warp_moves(replace(found, matrix=found.matrix / noise_px**2), held.poses, warping)
+    return np.asarray(moves @ moves.T)
+
+
+def _astray_by_hand(asked: PlanAsked, held: ReachedPoses, alone: Array) -> Array:
+    """Their mean over many times that the boards are held; what it is for them `alone` if none settles."""
+    noise_px, found = asked.corner_noise_px, []
+    for again in holds(asked, held, np.ones(len(held), dtype=bool)):
+        told, warping = plan_information(asked, again, rooted=True)
+        try:
+            covariance = covariance_of(asked.rig, asked.parameters, again.poses, told, noise_px)
+        except Undetermined:
+            continue
+        found.append(_astray(covariance, again, warping, noise_px))
+    return np.asarray(np.mean(found, axis=0)) if found else alone
 
 
 def inseparable(covariance: CalibrationCovariance) -> tuple[Inseparable, ...]:

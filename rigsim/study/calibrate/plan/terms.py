@@ -4,7 +4,8 @@ A depth's error is ``c^T e + mean_i(g_i^T e + own_i)`` in the free parameters' e
 triangulated point moves, g_i and own_i how the frame of the boards follows the parameters and board i's own
 noise (`CalibrationCovariance`). With A the sum of what the boards tell (A_i) its variance is
 ``(c + mean g)^T A^-1 (c + mean g) + sum s_i / n^2``, s_i that of own_i; a board's two warps that nobody
-knows add ``f^2 |(c + mean g)^T A^-1 sum b_i + mean h_i|^2`` (`theory.calibration.flatness`).
+knows add ``f^2 |(c + mean g)^T A^-1 sum b_i + mean h_i|^2`` (`theory.calibration.flatness`). That does not
+count where poses are chosen: some make it cancel, but nobody holds a board as exactly as that.
 Everything is a sum over boards: what one more, or another one, does is a matter of adding.
 """
 
@@ -97,38 +98,51 @@ class DepthTerms:
     """Diagonal (q,) of a weak information that holds up what few boards leave open."""
     flatness_m: float
     """Standard deviation of the warps that nobody looks for; 0 if they are looked for."""
+    measure: Array
+    """Free parameters, each in its own measure, as parameters of the rig (p, q)."""
+    frame: Array
+    """How the depths follow the frame of the boards (k, 6)."""
 
-    def axis_variance(self, sums: Sums) -> Array:
-        """Variance (...,) m^2 of the depth on the axis; infinite where the boards leave something open."""
-        return self.variances(sums)[..., 0]
+    def axis_noise(self, sums: Sums) -> Array:
+        """Variance (...,) m^2 of the depth on the axis from the corners' noise alone; infinite where the
+        boards leave something open."""
+        return self.noise(sums)[..., 0]
 
     def loss(self, sums: Sums) -> Array:
-        """What is to be small (...,): the variances by their weights, with the prior."""
-        return np.asarray(self.variances(sums, regular=False) @ self.weights)
+        """What is to be small (...,): the variances by the corners' noise, by their weights, with the
+        prior."""
+        return np.asarray(self._solved(sums, self.prior)[0] @ self.weights)
 
-    def variances(self, sums: Sums, *, regular: bool = True) -> Array:
-        """Variances (..., k) m^2 with the boards of `sums`; infinite where they leave something open.
+    def variances(self, sums: Sums) -> Array:
+        """Variances (..., k) m^2 with the boards of `sums`, exactly where they are; infinite where they leave
+        something open."""
+        return np.asarray(self.noise(sums) + self.astray(sums))
 
-        Not `regular`: with the weak prior, so that they are finite always.
-        """
-        with_prior = self._variances(sums, self.prior)
-        if not regular:
-            return with_prior
+    def noise(self, sums: Sums) -> Array:
+        """What the corners' noise does to them (..., k) m^2; infinite where the boards leave something
+        open."""
+        with_prior, found = (
+            self._solved(sums, prior)[0] for prior in (self.prior, _NEXT_TO_NOTHING * self.prior)
+        )
         # what boards tell does not hang on what was known before
-        found = self._variances(sums, _NEXT_TO_NOTHING * self.prior)
         told = np.abs(with_prior - found) <= _TOLD * found
         return np.where(told, found, np.inf)
 
-    def _variances(self, sums: Sums, prior: Array) -> Array:
+    def astray(self, sums: Sums) -> Array:
+        """What warps do that nobody looks for (..., k) m^2; 0 where there are none."""
+        return self._solved(sums, _NEXT_TO_NOTHING * self.prior)[1]
+
+    def _solved(self, sums: Sums, prior: Array) -> tuple[Array, Array]:
+        """Variances (..., k) by the corners' noise, and by the warps."""
         A, n = sums.A + np.diag(self.known + prior), np.maximum(sums.n, 1)
         size = 1 / np.sqrt(np.einsum("...ii->...i", A))
         v = (self.c + sums.g / n[..., None, None]) * size[..., None, :]
         x = np.linalg.solve(A * size[..., None] * size[..., None, :], np.swapaxes(v, -1, -2))
         found = np.einsum("...kq,...qk->...k", v, x) + sums.s / n[..., None] ** 2
-        if self.flatness_m:
-            astray = np.swapaxes(x * size[..., None], -1, -2) @ sums.b + sums.h / n[..., None, None]
-            found = found + self.flatness_m**2 * np.sum(astray**2, axis=-1)
-        return np.asarray(found)
+        if not self.flatness_m:
+            return np.asarray(found), np.zeros_like(found)
+        astray = np.swapaxes(x * size[..., None], -1, -2) @ sums.b + sums.h / n[..., None, None]
+        return np.asarray(found), np.asarray(self.flatness_m**2 * np.sum(astray**2, axis=-1))
 
 
 def depth_terms(asked: PlanAsked, reached: ReachedPoses, z_m: float) -> DepthTerms:
@@ -148,7 +162,7 @@ def depth_terms(asked: PlanAsked, reached: ReachedPoses, z_m: float) -> DepthTer
             f"depth {z_m * 1e3:g} mm: the cameras do not both see the left one's axis there; ask for another"
         )
     scale = _scale(asked, basis)
-    boards = _boards(asked, reached, basis * scale, moves[:, -6:])
+    boards = board_terms(asked, reached, basis * scale, moves[:, -6:])
     known = np.zeros(len(parameters.names))
     if parameters.warped and asked.flatness_m:
         known[parameters.warp] = asked.flatness_m**-2
@@ -159,9 +173,11 @@ def depth_terms(asked: PlanAsked, reached: ReachedPoses, z_m: float) -> DepthTer
         known=((basis * scale) ** 2).T @ known,
         prior=np.ones(basis.shape[1]),
         flatness_m=0.0 if parameters.warped else asked.flatness_m,
+        measure=basis * scale,
+        frame=moves[:, -6:],
     )
     # each depth in the measure of what boards all over the place leave of it
-    usual = terms.variances(boards.total(), regular=False) * len(reached)
+    usual = replace(terms, weights=np.eye(len(moves))).loss(boards.total()) * len(reached)
     return replace(terms, weights=np.array([1.0, *[_OUTER] * (len(moves) - 1)]) / usual)
 
 
@@ -174,7 +190,8 @@ def plan_information(
     return (told if wider is asked.parameters else without_warps(told)), told
 
 
-def _boards(asked: PlanAsked, reached: ReachedPoses, basis: Array, frame: Array) -> Sums:
+def board_terms(asked: PlanAsked, reached: ReachedPoses, basis: Array, frame: Array) -> Sums:
+    """The terms of each board, as `DepthTerms.measure` and `frame` have depths and parameters."""
     told, warping = plan_information(asked, reached, rooted=False)
     n, noise, q = len(reached), asked.corner_noise_px, basis.shape[1]
     about = frame @ about_camera(reached.poses)  # (n, k, 6)
