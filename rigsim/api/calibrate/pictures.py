@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rigsim.api.calibrate.plan import as_board
 from rigsim.api.kit.plain import takes
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rigsim.present.kit.types import Figure, Table
     from rigsim.rig.stereo import StereoRig
     from rigsim.study.calibrate.pictures.look import Looked
-    from rigsim.study.calibrate.pictures.result import CalibratedPictures
+    from rigsim.study.calibrate.pictures.result import CalibratedPictures, PicturesVerdict
 
 Picture: TypeAlias = str | os.PathLike[str]
 
@@ -73,8 +73,8 @@ class CalibratedRig(Result):
         return table(self.document()["pictures"])
 
     @property
-    def verdict(self) -> Literal["agrees", "flagged", "untold"]:
-        """Whether the pictures predict one another."""
+    def verdict(self) -> PicturesVerdict:
+        """``agrees``, ``suspect``, ``flagged`` or ``untold``: whether the pictures predict one another."""
         return self.result.verdict
 
     @property

@@ -18,6 +18,8 @@ from rigsim.study.calibrate.pictures.pairs import Paired, PicturePair, paired
 from rigsim.study.calibrate.pictures.remarks import pairing_remarks
 from rigsim.study.calibrate.pictures.sightings import Sightings, Size
 
+_DIVIDED = 2.0
+"""Coordinates, px, that none exceeds are no pixels."""
 _NOT_SEEN: Seen = "not_found"
 
 
@@ -103,6 +105,13 @@ def _sightings(
 
 
 def _check_inside(uv: Array, width: int, height: int) -> None:
+    if not np.isfinite(uv).any():
+        return
+    if np.nanmax(np.abs(uv)) <= _DIVIDED:
+        raise InvalidRange(
+            f"corners all lie within {np.nanmax(np.abs(uv)):.2g} px of 0,0: they look divided by the"
+            " picture's size or by the focal length: give them in pixels"
+        )
     farthest = np.nanmax(uv.reshape(-1, 2), axis=0, initial=-np.inf)
     if farthest[0] > width or farthest[1] > height:
         raise InvalidRange(

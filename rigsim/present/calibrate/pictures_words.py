@@ -28,6 +28,8 @@ VERDICTS: Mapping[PictureVerdict, str] = MappingProxyType(
     }
 )
 """What became of a pair, in a word or two."""
+_NAMED = 3
+"""Suspects in the headline."""
 _REASONS: Mapping[OddPairReason, str] = MappingProxyType(
     {
         "": "",
@@ -43,12 +45,12 @@ _REASONS: Mapping[OddPairReason, str] = MappingProxyType(
 
 def headline(result: CalibratedPictures) -> str:
     """The answer in one sentence."""
-    pairs = int(result.kept.sum())
+    pairs, alone = result.pair_count, int(result.kept.sum()) - result.pair_count
+    more = f" and {alone} picture{'s' if alone > 1 else ''} of one camera" if alone else ""
     baseline = with_error(1e3 * result.rig.baseline_m, 1e3 * result.baseline_std_m)
     return (
-        f"Rig from {pairs} pairs: baseline {baseline} mm, corners {number(result.fit.rms_px)} px rms from"
-        " where they"
-        f" should be; {_predicted(result)}."
+        f"Rig from {pairs} pairs{more}: baseline {baseline} mm, corners {number(result.fit.rms_px)} px rms"
+        f" from where they should be; {_predicted(result)}."
     )
 
 
@@ -59,9 +61,15 @@ def _predicted(result: CalibratedPictures) -> str:
     if result.verdict == "agrees":
         return said + ", as it should be"
     out = sum(each.verdict == "outlier" for each in result.pictures)
-    return said + (
-        f", without {out} that {'is' if out == 1 else 'are'} left out" if out else ", and should be 1"
-    )
+    if out:
+        said += f", without {out} that {'is' if out == 1 else 'are'} left out"
+    elif result.verdict == "flagged":
+        said += ", and should be 1"
+    if suspects := result.suspects:
+        named = ", ".join(f"{each.name} {number(each.ratio)} times" for each in suspects[:_NAMED])
+        named += ", ..." if len(suspects) > _NAMED else ""
+        said += f", but {len(suspects)} suspect{'s' if len(suspects) > 1 else ''}: {named}"
+    return said + ("; the board looks bent" if result.bent else "")
 
 
 def picture_words(check: PictureCheck) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from rigsim.errors import InvalidImage, InvalidRange, MeasurementFailed
+from rigsim.present.calibrate.pictures_words import headline
 from rigsim.rig.arrays import Array
 from rigsim.rig.board import Board
 from rigsim.rig.pose import rotation_from_rotvec
@@ -19,10 +20,11 @@ from rigsim.study.calibrate.pictures.coverage import coverage
 from rigsim.study.calibrate.pictures.fit import fit_rig
 from rigsim.study.calibrate.pictures.held_out import held_out
 from rigsim.study.calibrate.pictures.order import agreed_order, orders
-from rigsim.study.calibrate.pictures.outliers import sort_out
+from rigsim.study.calibrate.pictures.outliers import sort_out, without_suspects
 from rigsim.study.calibrate.pictures.result import CalibratedPictures
 from rigsim.study.calibrate.pictures.run import calibrate_pictures, duplicates, warp_check
 from rigsim.study.calibrate.pictures.sightings import Sightings
+from rigsim.theory.triangulation import triangulate
 from tests.helpers.calibrate.board_pictures import boards_in_view
 from tests.helpers.calibrate.sighted import BOARD, RIG, looked, sightings
 
@@ -121,6 +123,103 @@ def test_a_bad_picture_is_left_out_and_the_reason_told(
     assert result.fit.noise_px == pytest.approx(0.1, rel=0.08)
     assert result.verdict == "flagged"
     assert "outliers" in {remark.code for remark in result.remarks}
+
+
+def test_a_suspect_is_named_with_what_it_changes() -> None:
+    """A board that slid by a pixel's half between the shots: it counts, and the rig with it is off."""
+    found = sightings(14, 0.1)
+    observed = found.observed.copy()
+    observed[3, 1, :, 0] += 0.55
+    result = calibrated(changed(found, observed))
+    assert result.pictures[3].verdict == "suspect"
+    assert result.verdict == "suspect"
+    assert {check.verdict for k, check in enumerate(result.pictures) if k != 3} == {"good"}
+    said = headline(result)
+    assert f"but 1 suspect: 03 {result.pictures[3].ratio:.2f} times" in said
+    assert "as it should be" not in said
+    without = result.without_suspects
+    assert without is not None
+    # what is told is what calibrating without it gives
+    rest = calibrated(changed(found, observed).chosen(np.arange(14) != 3))
+    assert without.baseline_m == pytest.approx(rest.rig.baseline_m, rel=1e-7)
+    moved_by = (rest.rig.baseline_m - result.rig.baseline_m) / result.baseline_std_m
+    assert without.baseline_stds == pytest.approx(moved_by, rel=1e-2)
+    seen = result.rig.project(np.array([[0.0, 0.0, 3.0]]))
+    farther_m = triangulate(rest.rig, *seen)[0, 2] - 3
+    assert without.depth_shift_m == pytest.approx(farther_m, rel=1e-2)
+    assert max(abs(without.baseline_stds), abs(without.depth_shift_stds)) > 2
+    assert without.beyond_chance > 3
+    middle = next(row for row in rest.depths if row.place == "axis" and row.z_m == 3)
+    # at its own corner noise, which the suspect no longer swells
+    assert without.depth_std_m[1] == pytest.approx(middle.calibration_m, rel=1e-4)
+    (remark,) = (each for each in result.remarks if each.code == "suspects")
+    assert "leave out what was not of one moment" in remark.text
+
+
+def test_honest_pairs_change_the_rig_as_far_as_is_said() -> None:
+    """Left out one by one: both moves over what is foreseen, whose larger is 1.4 in the root mean square."""
+    said = []
+    for seed in range(8):
+        fit, _ = fit_rig(sightings(6, 0.2, seed), ASKED.parameters)
+        without = without_suspects(fit, np.arange(6) == seed % 6, fit.covariance, 2.0)
+        assert without is not None
+        said.append(without.beyond_chance)
+    assert 0.6 < np.sqrt(np.mean(np.square(said))) < 2.0
+
+
+def test_good_pairs_have_nothing_to_leave_out() -> None:
+    result = calibrated(sightings(8, 0.2))
+    assert result.without_suspects is None
+    assert "suspects" not in {remark.code for remark in result.remarks}
+    assert headline(result).endswith(", as it should be.")
+
+
+def test_a_board_bent_beyond_doubt_is_no_plain_yes() -> None:
+    found = sightings(8, 0.1, seen=replace(BOARD, warp_m=(1e-4, -3e-5)))
+    result = calibrated(found)
+    assert {check.verdict for check in result.pictures} == {"good"}
+    assert (result.warp.clear, result.verdict) == (True, "suspect")
+    assert headline(result).endswith("; the board looks bent.")
+    counted = calibrated(found, replace(ASKED, warp=True))
+    assert counted.verdict == "agrees"
+
+
+def test_pairs_that_are_paired_wrongly_agree_on_no_rig() -> None:
+    found = sightings(8, 0.1)
+    observed = found.observed.copy()
+    observed[:, 1] = np.roll(observed[:, 1], 1, axis=0)
+    with pytest.raises(MeasurementFailed, match=r"no two of 8 pairs .*: are they paired wrongly, as 00\?"):
+        calibrated(changed(found, observed))
+
+
+def turned_over(found: Sightings, side: int) -> Sightings:
+    """As pictures turned by half a turn show it, the board counted from its other end."""
+    observed = found.observed.copy()
+    observed[:, side] = [1279, 959] - observed[:, side, ::-1]
+    return changed(found, observed)
+
+
+def test_cameras_upside_down_are_told() -> None:
+    found = sightings(6, 0.1)
+    for side in (0, 1):
+        told = {each.code: each.text for each in calibrated(turned_over(found, side)).remarks}
+        assert "rolled by 179 deg" in told["upside_down"]  # 1.15 deg of the rig's own
+        assert "swapped" not in told
+    both = calibrated(turned_over(turned_over(found, 0), 1))
+    told = {each.code: each.text for each in both.remarks}
+    assert "both upside down" in told["swapped"]
+    assert not {"swapped", "upside_down"} & {each.code for each in calibrated(found).remarks}
+
+
+@pytest.mark.parametrize(
+    ("square_m", "says"), [(30.0, "a baseline of 120.1 m comes"), (1.5e-4, "a baseline of 0.6003 mm comes")]
+)
+def test_a_baseline_out_of_all_proportion_asks_for_the_unit(square_m: float, says: str) -> None:
+    found = sightings(6, 0.01)
+    board = Board(9, 6, square_m)
+    result = calibrated(replace(found, board=board), replace(ASKED, board=board))
+    (remark,) = (each for each in result.remarks if each.code == "board_unit")
+    assert says in remark.text
 
 
 def test_a_blurred_picture_is_called_so() -> None:
@@ -227,6 +326,8 @@ def test_a_picture_of_one_camera_counts_for_it() -> None:
     assert result.pictures[3].verdict == "not_found"
     assert np.isnan(result.pictures[3].rms_px)
     assert result.kept.sum() == 8
+    assert result.pair_count == 7
+    assert headline(result).startswith("Rig from 7 pairs and 1 picture of one camera: ")
     codes = {remark.code for remark in result.remarks}
     assert {"one_camera", "not_found"} <= codes
 

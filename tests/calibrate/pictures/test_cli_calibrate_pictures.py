@@ -142,11 +142,14 @@ def test_a_broken_picture_is_named_and_left_out(photos: Path, tmp_path: Path) ->
     for name in photos.glob("*0[0-4].png"):
         shutil.copy(name, tmp_path)
     (tmp_path / "right02.png").write_bytes(b"no picture")
-    document = json.loads(calibrate(tmp_path, ".", "--board", "6x5@30mm", "--json").stdout)
+    done = calibrate(tmp_path, ".", "--board", "6x5@30mm", "--json")
+    document = json.loads(done.stdout)
+    assert "right02.png: cannot be read as a picture" in done.stderr
+    assert document["headline"].startswith("Rig from 4 pairs: ")
     assert [picture["verdict"] for picture in document["pictures"]] == [
         "good",
         "good",
-        "one_camera",
+        "unreadable",
         "good",
         "good",
     ]

@@ -109,3 +109,40 @@ def test_what_no_file_tells_is_asked_for(tmp_path: Path) -> None:
     empty = written(tmp_path, "# filename x y level\nleft1 - - -\nright1 - - -\n", "empty.vnl")
     with pytest.raises(MeasurementFailed, match="holds no corner"):
         looked_from([empty], BOARD, SIZES)
+
+
+def table(*rows: str) -> str:
+    return "\n".join(["picture,camera,corner,u_px,v_px,std_px", *rows]) + "\n"
+
+
+@pytest.mark.parametrize(
+    ("row", "says"),
+    [
+        ("a,left,1,20,30,-0.1", r"line 3: std_px -0.1: must be >= 0.0001 px"),
+        ("a,left,1,20,30,0", r"line 3: std_px 0: must be >= 0.0001 px"),
+        ("a,left,1,20,30,1e-9", r"line 3: std_px 1e-09: must be >= 0.0001 px"),
+        ("a,left,0,20,30,0.1", r"line 3: corner 0 of a, left, stands on line 2 already"),
+    ],
+)
+def test_what_no_finder_says_is_one_line(tmp_path: Path, row: str, says: str) -> None:
+    with pytest.raises(InvalidRange, match=says):
+        read_corners(written(tmp_path, table("a,left,0,10,30,0.1", row)), COUNT)
+
+
+def test_the_same_corner_of_another_camera_is_no_duplicate(tmp_path: Path) -> None:
+    text = table("a,left,0,10,30,0.1", "a,right,0,10,30,", "b,left,0,10,30,0.0001")
+    assert len(read_corners(written(tmp_path, text), COUNT)) == 3
+
+
+def test_a_table_of_exact_corners_is_read_back(tmp_path: Path) -> None:
+    exact = PictureCorners("a", "left", np.ones((COUNT, 2)), np.zeros(COUNT), np.full(COUNT, 1e-7))
+    (back,) = read_corners(written(tmp_path, table_text([exact])), COUNT)
+    np.testing.assert_array_equal(back.std_px, np.full(COUNT, 1e-4))
+
+
+def test_corners_divided_by_the_pictures_size_are_told(tmp_path: Path) -> None:
+    rows = [
+        f"{k},{side},{c},0.{c}1,0.{k}2," for k in (1, 2) for side in ("left", "right") for c in range(COUNT)
+    ]
+    with pytest.raises(InvalidRange, match=r"all lie within 0.81 px of 0,0: they look divided"):
+        looked_from([written(tmp_path, table(*rows))], BOARD, SIZES)

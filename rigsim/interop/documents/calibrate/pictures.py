@@ -17,6 +17,7 @@ from rigsim.interop.documents.calibrate.pictures_models import (
     CalibrationNextPose,
     CalibrationPicture,
     CalibrationWarp,
+    CalibrationWithoutSuspects,
     OpencvRig,
     PicturesDocument,
 )
@@ -65,6 +66,7 @@ def pictures_document(
             baseline_mm=result.opencv.rig.baseline_m * 1e3,
             focal_px=[result.opencv.rig.left.fx, result.opencv.rig.right.fx],
         ),
+        without_suspects=_without(result),
         next_pose=_next(result, says),
         covariance=covariance_part(result.covariance, covariance_source_of(result)),
         remarks=[RemarkPart(code=remark.code, text=remark.text) for remark in result.remarks],
@@ -139,6 +141,22 @@ def _warp(result: CalibratedPictures) -> CalibrationWarp:
         std_mm=[finite(1e3 * value) for value in warp.std_m],
         chance=warp.chance if math.isfinite(warp.chance) else 1.0,
         estimated=result.asked.warp,
+    )
+
+
+def _without(result: CalibratedPictures) -> CalibrationWithoutSuspects | None:
+    found = result.without_suspects
+    if found is None:
+        return None
+    return CalibrationWithoutSuspects(
+        names=list(found.names),
+        baseline_mm=found.baseline_m * 1e3,
+        baseline_shift_std=found.baseline_stds,
+        z_m=found.z_m,
+        depth_shift_mm=found.depth_shift_m * 1e3,
+        depth_shift_std=found.depth_shift_stds,
+        calibration_mm=found.depth_std_m[1] * 1e3,
+        beyond_chance=found.beyond_chance,
     )
 
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 from pydantic import Field
 
 from rigsim.interop.documents.base import Part, RemarkPart, Written
 from rigsim.interop.documents.calibrate.covariance import CovarianceCamera, CovarianceDocument
 from rigsim.interop.documents.calibrate.plan_models import PlanDepth, PlanDepthPlace
 from rigsim.study.calibrate.pictures.outliers import OddPairReason
-from rigsim.study.calibrate.pictures.result import PictureVerdict
+from rigsim.study.calibrate.pictures.result import PicturesVerdict, PictureVerdict
 
 
 class CalibratedCamera(CovarianceCamera):
@@ -74,6 +72,27 @@ class CalibrationWarp(Part):
     """Whether the rig counts it (--warp)."""
 
 
+class CalibrationWithoutSuspects(Part):
+    """The rig without the suspect pairs, against the one with them."""
+
+    names: list[str]
+    """The suspects."""
+    baseline_mm: float
+    """Baseline without them, mm."""
+    baseline_shift_std: float
+    """How far that is from the one with them, in the latter's standard deviations."""
+    z_m: float
+    """The middle one of the depths asked for, m."""
+    depth_shift_mm: float
+    """How much farther a point there, on the left optical axis, is without them, mm."""
+    depth_shift_std: float
+    """The same in the standard deviation that the calibration with them leaves in the left camera's frame."""
+    calibration_mm: float
+    """Depth std from the calibration there without them, mm."""
+    beyond_chance: float
+    """The larger of both shifts over the standard deviation that it has for honest pairs."""
+
+
 class CalibrationNextPose(Part):
     """Where one more board does the most."""
 
@@ -105,8 +124,9 @@ class PicturesDocument(Part):
     """What made it."""
     headline: str
     """The answer in one sentence."""
-    verdict: Literal["agrees", "flagged", "untold"]
-    """Whether the pictures predict one another."""
+    verdict: PicturesVerdict
+    """Whether the pictures predict one another: agrees; suspect: all but one that counts, or but for a board
+    that is clearly bent; flagged: an outlier is left out, or all are off; untold: too few."""
     board: str
     """As the command line has it: 9x6@25mm."""
     model: str
@@ -137,6 +157,8 @@ class PicturesDocument(Part):
     """The same at the axis, the edge and the corner of what both cameras see."""
     warp: CalibrationWarp
     opencv: OpencvRig
+    without_suspects: CalibrationWithoutSuspects | None
+    """What leaving the suspects out changes; null without any."""
     next_pose: CalibrationNextPose | None
     """null where no place can be reached."""
     covariance: CovarianceDocument

@@ -52,9 +52,14 @@ class PicturesAsked:
             raise InvalidRange(f"lens model {self.model!r}: choose one of {', '.join(MODELS)}")
         if not self.noise_px > 0:
             raise InvalidRange(f"noise {self.noise_px:g} px: must be > 0")
-        if not all(z_m > 0 for z_m in self.at_m):
-            raise InvalidRange("depths: must be > 0")
+        if not (self.at_m and all(z_m > 0 for z_m in self.at_m)):
+            raise InvalidRange("depths: must be at least one, and > 0")
         _ = self.parameters  # words that hold nothing are told at once
+
+    @property
+    def middle_m(self) -> float:
+        """The middle one of the depths that are told, m."""
+        return sorted(self.at_m)[len(self.at_m) // 2]
 
     @property
     def lens(self) -> type[Lens] | None:

@@ -25,6 +25,7 @@ Stage: TypeAlias = Callable[[str, int, int], None]
 _HINTS = ((-1, -1), (1, 1), (-1, 0), (0, -1))
 """What may be counted wrong: squares in the place of corners, mostly."""
 _LOOKED_AT = 3
+_NAMED = 6
 _UPRIGHT = 0.6
 """Of the boards must lie across for the board to be called turned by a quarter."""
 
@@ -94,6 +95,10 @@ def look(board: Board, pairs: Sequence[PicturePair], told: Stage | None = None) 
             raise
         interrupts.caught()
         interrupted = True
+    if all(word == "unreadable" for both in seen for word in both):
+        raise MeasurementFailed(
+            f"{pairs[0].left} and {2 * len(seen) - 1} more: none is a picture that can be read"
+        )
     if not _any(found):
         _refuse_others(board, pairs[:_LOOKED_AT], found)
         raise MeasurementFailed(
@@ -104,7 +109,8 @@ def look(board: Board, pairs: Sequence[PicturePair], told: Stage | None = None) 
     pairs = tuple(pairs[: len(found)])
     left_size, right_size = (known[0] if known else (0, 0) for known in sizes.sizes)
     sightings = _sightings(board, [pair.name for pair in pairs], found, (left_size, right_size))
-    return Looked(sightings, pairs, tuple(seen), _turned(board, sightings), interrupted)
+    remarks = (*_turned(board, sightings), *_unreadable(pairs, seen))
+    return Looked(sightings, pairs, tuple(seen), remarks, interrupted)
 
 
 def _one(board: Board, file: str, side: int, sizes: _Sizes) -> tuple[BoardCorners | None, Seen]:
@@ -164,6 +170,21 @@ def _turned(board: Board, sightings: Sightings) -> tuple[Remark, ...]:
         f" across: {board.rows}x{board.cols} is the same board, and gives the same rig",
     )
     return (remark,)
+
+
+def _unreadable(pairs: Sequence[PicturePair], seen: Sequence[tuple[Seen, Seen]]) -> tuple[Remark, ...]:
+    """A remark that names the files that are no pictures."""
+    files = [
+        file
+        for pair, both in zip(pairs, seen, strict=True)
+        for file, word in zip((pair.left, pair.right), both, strict=True)
+        if word == "unreadable"
+    ]
+    if not files:
+        return ()
+    more = f" and {len(files) - _NAMED} more" if len(files) > _NAMED else ""
+    named = f"{', '.join(files[:_NAMED])}{more}"
+    return (Remark("unreadable", f"{named}: cannot be read as a picture, and is left out with its pair"),)
 
 
 def _any(found: Sequence[_Both]) -> bool:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from rigsim.errors import InvalidImage
+from rigsim.errors import InvalidImage, MeasurementFailed
 from rigsim.pixels.calibration.camera import LEAST_CORNERS, OneCamera, board_pose, calibrate_camera
 from rigsim.rig.arrays import Mask
 from rigsim.rig.board import Board
@@ -30,6 +30,8 @@ _MOST_OFF = 0.08
 """... added, of the board's distance: how far one board's pose may put the right camera off."""
 _LEAST_SHARE = 0.5
 """Of the pairs must agree on where the right camera stands; else the pictures may be mirrored."""
+_LEAST_AGREE = 1 / 3
+"""Of them must at least; fewer do by chance."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,7 +53,7 @@ def agreed_order(
 
     Raises:
         InvalidImage: one camera's pictures are mirrored.
-        MeasurementFailed: a camera cannot be calibrated alone.
+        MeasurementFailed: a camera cannot be calibrated alone, or the pairs agree on no rig.
     """
     cameras = [
         calibrate_camera(sightings.board, sightings.observed[:, side], sightings.sizes[side], lens, fix, name)
@@ -61,6 +63,8 @@ def agreed_order(
     votes = _Votes.of(sightings, cameras[0], cameras[1], pairs)
     if len(pairs) >= 3 and votes.count < max(_LEAST_SHARE * len(pairs), 2):
         _refuse_mirrored(sightings, lenses, fix, cameras[0], pairs)
+    if votes.count < max(_LEAST_AGREE * len(pairs), 2):
+        _refuse_wrong_pairs(sightings, votes.count, pairs)
     agrees = np.ones(len(sightings), dtype=bool)
     turned = []
     for k in pairs:
@@ -162,6 +166,15 @@ def _fits(sightings: Sightings, pair: int, order: Order) -> bool:
     # the first corner's inner square, counted from the old first corner's: colours alternate
     steps = min(row, rows - 2) + min(col, cols - 2)
     return (right if steps % 2 == 0 else -right) == left
+
+
+def _refuse_wrong_pairs(sightings: Sightings, agree: int, pairs: Sequence[int]) -> None:
+    """Raise, for pairs that agree on no rig."""
+    who = "no two" if agree < 2 else f"only {agree}"
+    raise MeasurementFailed(
+        f"{who} of {len(pairs)} pairs put the right camera in the same place: are they paired wrongly, as"
+        f" {sightings.names[pairs[0]]}? Give the two pictures of one moment the same number"
+    )
 
 
 def _refuse_mirrored(

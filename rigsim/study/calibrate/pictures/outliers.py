@@ -10,16 +10,19 @@ import numpy as np
 import numpy.typing as npt
 
 from rigsim.pixels.calibration.camera import board_pose
-from rigsim.pixels.calibration.stereo import FoundRig
+from rigsim.pixels.calibration.stereo import LEAST_BOARDS, FoundRig
 from rigsim.rig.arrays import Array, Mask
+from rigsim.study.calibrate.depths import depth_stds
 from rigsim.study.calibrate.pictures.at_once import ratios_at_once
-from rigsim.study.calibrate.pictures.fit import PicturesFit, distance_rms, fit_rig
+from rigsim.study.calibrate.pictures.fit import PicturesFit, adjusted_from, distance_rms, fit_rig
 from rigsim.study.calibrate.pictures.held_out import HeldOut, alone_rms, held_out, predicted, without
 from rigsim.study.calibrate.pictures.order import Ordered
 from rigsim.study.calibrate.pictures.sightings import Sightings
 from rigsim.theory.calibration.boards import BoardPoses
+from rigsim.theory.calibration.covariance import CalibrationCovariance, Undetermined
 from rigsim.theory.calibration.information import slopes
 from rigsim.theory.calibration.parameters import RigParameters
+from rigsim.theory.triangulation import triangulate
 
 LIMIT = 2.0
 """A picture whose residual is so many times what the others predict is none of theirs."""
@@ -36,6 +39,7 @@ _FEW_CORNERS = 0.1
 _THEIR_SHARE = 0.7
 _BLURRED = 2.0
 _BENT_LEFT = 0.4
+_TINY = 1e-30
 
 OddPairReason: TypeAlias = Literal["", "moved", "mixed_up", "hidden", "blurred", "bent", "unexplained"]
 """Why a picture is an outlier: each camera alone explains it, but not both (the board moved between the two
@@ -60,6 +64,29 @@ class Sorted:
     with the others' rig."""
     reasons: tuple[OddPairReason, ...]
     """Why each was left out, or is suspect; empty where it is neither."""
+
+
+@dataclass(frozen=True, slots=True)
+class WithoutSuspects:
+    """The rig without the suspect pairs, against the one with them."""
+
+    names: tuple[str, ...]
+    """The suspects."""
+    baseline_m: float
+    """Baseline without them, m."""
+    baseline_stds: float
+    """How far that is from the one with them, in the latter's standard deviations."""
+    z_m: float
+    """A depth on the left optical axis, m."""
+    depth_shift_m: float
+    """How much farther a point there is without them, m."""
+    depth_shift_stds: float
+    """The same in the standard deviation that the calibration with them leaves there."""
+    depth_std_m: tuple[float, float]
+    """Depth std from the calibration there, with and without them, m."""
+    beyond_chance: float
+    """The larger of both moves over its standard deviation for honest pairs, the root of what leaving them out
+    adds to the variance: about 1 for those."""
 
 
 def sort_out(ordered: Ordered, parameters: RigParameters, fix: Sequence[str]) -> Sorted:
@@ -103,6 +130,48 @@ def _told(ordered: Ordered, fit: PicturesFit, opencv: FoundRig, kept: Mask, kept
         ratios[k], rms_px[k] = check.ratio, distance_rms(check.residuals)
         reasons[k] = why(check, sightings, k) if ordered.agrees[k] else "mixed_up"
     return Sorted(fit, opencv, kept, ratios, rms_px, tuple(reasons))
+
+
+def without_suspects(
+    fit: PicturesFit, suspect: Mask, covariance: CalibrationCovariance, z_m: float
+) -> WithoutSuspects | None:
+    """What leaving out the `suspect` pairs (n,) of a fit changes at a depth; None without any, or where the
+    others leave the rig open."""
+    rest = fit.sightings.chosen(~suspect)
+    if not suspect.any() or rest.cameras.all(axis=1).sum() < LEAST_BOARDS:
+        return None
+    found = fit.adjusted
+    others = adjusted_from(rest, fit.parameters, found.rig, found.poses.chosen(~suspect))
+    try:
+        after = others.covariance
+    except Undetermined:
+        return None
+    stds = [depth_stds(each, (z_m,), 1.0, ("axis",))[0] for each in (covariance, after)]
+    # at the others' noise, which the suspects do not swell
+    shrunk = others.noise_px / fit.noise_px
+    baseline_by = np.sqrt(max(baseline_std(after) ** 2 - (shrunk * baseline_std(covariance)) ** 2, _TINY))
+    depth_by = np.sqrt(max(stds[1].in_camera_m ** 2 - (shrunk * stds[0].in_camera_m) ** 2, _TINY))
+    rig = others.adjusted.rig
+    depth_m = triangulate(rig, *found.rig.project(np.array([[0.0, 0.0, z_m]])))[0, 2]
+    moves = abs(rig.baseline_m - found.rig.baseline_m) / baseline_by, abs(depth_m - z_m) / depth_by
+    return WithoutSuspects(
+        names=tuple(np.array(fit.sightings.names)[suspect].tolist()),
+        baseline_m=rig.baseline_m,
+        baseline_stds=(rig.baseline_m - found.rig.baseline_m) / baseline_std(covariance),
+        z_m=z_m,
+        depth_shift_m=float(depth_m - z_m),
+        depth_shift_stds=float(depth_m - z_m) / stds[0].in_camera_m,
+        depth_std_m=(stds[0].calibration_m, stds[1].calibration_m),
+        beyond_chance=float(max(moves)),
+    )
+
+
+def baseline_std(covariance: CalibrationCovariance) -> float:
+    """Standard deviation of the baseline, m."""
+    shift = covariance.parameters.pose
+    C = covariance.matrix[shift, shift][3:, 3:]
+    along = covariance.rig.right_from_left.t / covariance.rig.baseline_m
+    return float(np.sqrt(max(float(along @ C @ along), 0.0)))
 
 
 def stands_out(ratios: npt.ArrayLike, rms_px: npt.ArrayLike, limit: float) -> Mask:

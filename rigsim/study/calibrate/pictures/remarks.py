@@ -23,6 +23,12 @@ _DIFFERS = 0.1
 _LOOSE = 0.01
 """Standard deviation of a focal length, as a share of it, from which the boards' tilts are too alike."""
 _NAMED = 6
+_CHANGES = 3.0
+"""Times what honest pairs, left out, change a rig by in the mean."""
+_LEAST_BASELINE_M, _MOST_BASELINE_M = 1e-3, 5.0
+"""Baselines beyond are told: the board's unit is in question."""
+_OVER_HEAD_RAD = np.radians(150.0)
+"""A roll beyond is a camera upside down."""
 
 
 def remarks_of(result: CalibratedPictures, turned: Sequence[str]) -> tuple[Remark, ...]:
@@ -69,7 +75,6 @@ def _left_out(result: CalibratedPictures) -> Iterator[Remark]:
     for verdict, code, says in (
         ("not_found", "not_found", "show no board, and are left out"),
         ("several", "several_boards", "show more than one such board, and are left out: cover the others"),
-        ("unreadable", "unreadable", "cannot be read, and are left out"),
         ("duplicate", "duplicate", "are the same as an earlier one, and count once"),
         ("one_camera", "one_camera", "show the board in one picture alone: they count for that camera"),
     ):
@@ -80,10 +85,44 @@ def _left_out(result: CalibratedPictures) -> Iterator[Remark]:
     if names:
         text = f"{len(names)} of {len(result.pictures)} pairs are not as the others predict, and are left out"
         yield Remark("outliers", f"{text}: {_listed(names)}")
+    yield from _suspects(result)
+
+
+def _suspects(result: CalibratedPictures) -> Iterator[Remark]:
+    suspects, without = result.suspects, result.without_suspects
+    if not suspects:
+        return
+    text = (
+        f"{len(suspects)} suspect of {len(result.pictures)} pairs, which counts"
+        if len(suspects) == 1
+        else f"{len(suspects)} suspects of {len(result.pictures)} pairs, which count"
+    )
+    text += ": " + _listed([f"{each.name} ({short(each.ratio)} times as predicted)" for each in suspects])
+    if without is None:
+        yield Remark(
+            "suspects", f"{text}; too few others are left to tell what it changes: take more pictures"
+        )
+        return
+    before, after = (short(1e3 * std, 3) for std in without.depth_std_m)
+    text += (
+        f"; without, the baseline is {short(1e3 * without.baseline_m, 5)} mm"
+        f" ({short(abs(without.baseline_stds), 2)} std away), depths at {short(without.z_m)} m differ by"
+        f" {short(abs(1e3 * without.depth_shift_m), 2)} mm ({short(abs(without.depth_shift_stds), 2)} std),"
+        f" and their std from the calibration is {after} in the place of {before} mm"
+    )
+    if without.beyond_chance > _CHANGES:
+        text += f"; honest pairs move it {short(without.beyond_chance, 2)} times less"
+        few = result.pair_count - len(suspects) < _FEW_PAIRS
+        text += ": " + (
+            "the others are too few to tell which is right, take more"
+            if few
+            else "leave out what was not of one moment, and calibrate again"
+        )
+    yield Remark("suspects", text)
 
 
 def _numbers(result: CalibratedPictures) -> Iterator[Remark]:
-    pairs = int(result.kept.sum())
+    pairs = result.pair_count
     if pairs < _FEW_PAIRS:
         yield Remark(
             "few_pairs",
@@ -103,9 +142,7 @@ def _numbers(result: CalibratedPictures) -> Iterator[Remark]:
 
 
 def _rig(result: CalibratedPictures) -> Iterator[Remark]:
-    if result.rig.right_from_left.inverse.t[0] < 0:
-        text = "the right camera stands to the left of the left one: are the two swapped, or both mirrored?"
-        yield Remark("swapped", text)
+    yield from _stands(result)
     std = result.covariance.std
     focal, names = result.rig.left.fx, result.covariance.names
     loose = max(std[names.index("left.fx")], std[names.index("right.fx")])
@@ -141,6 +178,32 @@ def _rig(result: CalibratedPictures) -> Iterator[Remark]:
             " picture: elsewhere the lens is extrapolated; hold the board there too"
         )
         yield Remark("coverage", text)
+
+
+def _stands(result: CalibratedPictures) -> Iterator[Remark]:
+    """What is odd about where the right camera stands."""
+    pose, baseline_m = result.rig.right_from_left, result.rig.baseline_m
+    roll = float(np.arctan2(pose.R[1, 0], pose.R[0, 0]))
+    if abs(roll) > _OVER_HEAD_RAD:
+        text = (
+            f"the right camera is rolled by {abs(np.degrees(roll)):.0f} deg against the left one: one of the"
+            " two is upside down, or its pictures are turned by half a turn"
+        )
+        yield Remark("upside_down", text)
+    elif pose.inverse.t[0] < 0:
+        text = (
+            "the right camera stands to the left of the left one: are the two swapped, both upside down, or"
+            " both mirrored?"
+        )
+        yield Remark("swapped", text)
+    if not _LEAST_BASELINE_M <= baseline_m <= _MOST_BASELINE_M:
+        square_m = result.asked.board.square_m
+        text = (
+            f"a baseline of {short(baseline_m if baseline_m > 1 else 1e3 * baseline_m, 4)}"
+            f" {'m' if baseline_m > 1 else 'mm'} comes of a square of {short(1e3 * square_m, 4)} mm: is that"
+            " the unit of --board? Every length scales with it"
+        )
+        yield Remark("board_unit", text)
 
 
 def _board(result: CalibratedPictures) -> Iterator[Remark]:

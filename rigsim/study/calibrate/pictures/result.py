@@ -16,7 +16,12 @@ from rigsim.study.calibrate.depths import DepthStd
 from rigsim.study.calibrate.pictures.asked import PicturesAsked
 from rigsim.study.calibrate.pictures.coverage import CornerCoverage
 from rigsim.study.calibrate.pictures.fit import PicturesFit
-from rigsim.study.calibrate.pictures.outliers import LEAST_OFF_PX, OddPairReason
+from rigsim.study.calibrate.pictures.outliers import (
+    LEAST_OFF_PX,
+    OddPairReason,
+    WithoutSuspects,
+    baseline_std,
+)
 from rigsim.study.calibrate.pictures.pairs import PicturePair
 from rigsim.study.calibrate.pictures.sightings import Sightings
 from rigsim.study.calibrate.plan.result import NextPose
@@ -26,15 +31,19 @@ PictureVerdict: TypeAlias = Literal[
     "good", "suspect", "one_camera", "outlier", "not_found", "several", "unreadable", "duplicate"
 ]
 """What became of a pair: it counts; it counts, but is hardly as the others predict; it counts for one
-camera, the other shows no board; the others do not predict it; no board in either; two such boards; a file
-that is no picture; the same as an earlier one."""
-
+camera, the other shows no board; the others do not predict it; no board in either; two such boards; one of
+its files is no picture; the same as an earlier one."""
+PicturesVerdict: TypeAlias = Literal["agrees", "suspect", "flagged", "untold"]
+"""Whether pictures predict one another: they do; all but a suspect that counts, or but for a board that is
+clearly bent; an outlier was left out, or all together are off; too few to tell."""
 
 KEPT: tuple[PictureVerdict, ...] = ("good", "suspect", "one_camera")
 """Verdicts of pairs that count."""
 _LEAST_TOLD = 3
 _MOST_RATIO = 1.25
 """Of all pictures together: honest corners, some hundred a picture, stay within 1.05."""
+_CLEARLY_BENT = 1e-9
+"""How often a flat board looks so bent: the rig's std says nothing of what such a bend does to it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +81,11 @@ class WarpCheck:
         """Whether it is told from flat: once in a thousand a flat board is."""
         return self.chance < 1e-3
 
+    @property
+    def clear(self) -> bool:
+        """Whether it is bent beyond doubt."""
+        return self.chance < _CLEARLY_BENT
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CalibratedPictures:
@@ -99,6 +113,8 @@ class CalibratedPictures:
     """Where the corners were."""
     warp: WarpCheck
     """Whether the board is flat."""
+    without_suspects: WithoutSuspects | None
+    """What leaving the suspects out changes; None without any."""
     next_pose: NextPose | None
     """Where one more board does the most; None where no place was looked for."""
     remarks: tuple[Remark, ...]
@@ -118,19 +134,34 @@ class CalibratedPictures:
         return rms(ratios[np.isfinite(ratios)])
 
     @property
-    def verdict(self) -> Literal["agrees", "flagged", "untold"]:
+    def pair_count(self) -> int:
+        """How many pairs count that show the board in both pictures."""
+        return int((self.kept & self.sightings.cameras.all(axis=1)).sum())
+
+    @property
+    def suspects(self) -> tuple[PictureCheck, ...]:
+        """Pairs that count, but are hardly as the others predict."""
+        return tuple(each for each in self.pictures if each.verdict == "suspect")
+
+    @property
+    def bent(self) -> bool:
+        """Whether the board is bent beyond doubt, and the rig does not count it."""
+        return self.warp.clear and not self.asked.warp
+
+    @property
+    def verdict(self) -> PicturesVerdict:
         """Whether the pictures predict one another: flagged where one is left out as an outlier, or where all
-        together are off by a quarter, and by more than any board is true to; untold of fewer than three."""
+        together are off by a quarter, and by more than any board is true to; suspect where one that counts is
+        hardly predicted, or the board is bent beyond doubt; untold of fewer than three pairs."""
         ratio = self.ratio
-        if not np.isfinite(ratio) or int(self.kept.sum()) < _LEAST_TOLD:
+        if not np.isfinite(ratio) or self.pair_count < _LEAST_TOLD:
             return "untold"
         fits = 1 / _MOST_RATIO < ratio < _MOST_RATIO or self.fit.noise_px < LEAST_OFF_PX
-        return "agrees" if fits and all(each.verdict != "outlier" for each in self.pictures) else "flagged"
+        if not fits or any(each.verdict == "outlier" for each in self.pictures):
+            return "flagged"
+        return "suspect" if self.suspects or self.bent else "agrees"
 
     @property
     def baseline_std_m(self) -> float:
         """Standard deviation of the baseline, m."""
-        shift = self.covariance.parameters.pose
-        C = self.covariance.matrix[shift, shift][3:, 3:]
-        along = self.rig.right_from_left.t / self.rig.baseline_m
-        return float(np.sqrt(max(float(along @ C @ along), 0.0)))
+        return baseline_std(self.covariance)

@@ -18,7 +18,13 @@ from rigsim.study.calibrate.pictures.fit import PicturesFit, adjusted_from, both
 from rigsim.study.calibrate.pictures.following import following
 from rigsim.study.calibrate.pictures.look import Looked, Seen
 from rigsim.study.calibrate.pictures.order import agreed_order
-from rigsim.study.calibrate.pictures.outliers import SUSPECT, Sorted, sort_out, stands_out
+from rigsim.study.calibrate.pictures.outliers import (
+    SUSPECT,
+    Sorted,
+    sort_out,
+    stands_out,
+    without_suspects,
+)
 from rigsim.study.calibrate.pictures.remarks import remarks_of
 from rigsim.study.calibrate.pictures.result import (
     CalibratedPictures,
@@ -48,7 +54,8 @@ def calibrate_pictures(asked: PicturesAsked, looked: Looked) -> CalibratedPictur
     _check_count(sightings)
     _check_variety(sightings)
     copies = duplicates(sightings)
-    which = np.flatnonzero(~copies & sightings.cameras.any(axis=1))
+    whole = np.array(["unreadable" not in both for both in looked.seen])
+    which = np.flatnonzero(~copies & whole & sightings.cameras.any(axis=1))
     parameters = asked.parameters
     ordered = agreed_order(sightings.chosen(which), parameters.lenses, both_sides(asked.held))
     found = sort_out(ordered, parameters, asked.held)
@@ -65,6 +72,7 @@ def calibrate_pictures(asked: PicturesAsked, looked: Looked) -> CalibratedPictur
         pictures=_checks(looked, copies, which, found),
         coverage=coverage(found.fit.sightings),
         warp=warp_check(found.fit),
+        without_suspects=without_suspects(found.fit, _suspects(found), covariance, asked.middle_m),
         next_pose=following(asked, found.fit) if asked.following else None,
         remarks=(),
         interrupted=looked.interrupted,
@@ -184,6 +192,11 @@ def _checks(
         verdict = _verdict(bool(found.kept[j]), bool(corners.all()), suspect)
         checks.append(PictureCheck(name, verdict, found.reasons[j], count, float(found.rms_px[j]), ratio))
     return tuple(checks)
+
+
+def _suspects(found: Sorted) -> Mask:
+    """Which of the pairs that count are suspect."""
+    return stands_out(found.ratios[found.kept], found.rms_px[found.kept], SUSPECT)
 
 
 def _verdict(kept: bool, both: bool, suspect: bool) -> PictureVerdict:
