@@ -99,10 +99,11 @@ class PlannedCalibration(Result):
 
     @property
     def headline(self) -> str:
-        """The answer in one sentence."""
-        from rigsim.present.calibrate.plan_words import headline
+        """The answer in one sentence, and another where witnesses met another lens or board."""
+        from rigsim.present.calibrate.plan_words import headline, true_sentence
 
-        return headline(self.plan)
+        true = true_sentence(self.plan, self.witnesses).replace("`", "")
+        return f"{headline(self.plan)} {true}".rstrip()
 
     @property
     def poses(self) -> BoardPoses:

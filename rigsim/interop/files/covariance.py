@@ -16,6 +16,7 @@ from rigsim.interop.documents.calibrate.covariance import (
     CovarianceCamera,
     CovarianceDocument,
     CovarianceRig,
+    unit_of,
 )
 from rigsim.interop.documents.text import COVARIANCE
 from rigsim.rig.arrays import Array, frozen
@@ -24,11 +25,16 @@ from rigsim.rig.lens.lens import Lens
 from rigsim.rig.lens.registry import BY_NAME
 from rigsim.rig.pose import Pose
 from rigsim.rig.stereo import StereoRig
+from rigsim.study.calibrate.plan.explain import focal_openness
 from rigsim.theory.calibration.covariance import FRAME, CalibrationCovariance
 from rigsim.theory.calibration.parameters import RigParameters
 
 _WHAT = "a covariance.json, plan.json or calibration.json of rigsim calibrate"
 _BYTES = 20_000_000
+MOST_OPEN = 0.2
+"""Largest standard deviation of a focal length or of the baseline, as a share of it: a draw in a million is 5
+of them off, where there is no rig."""
+_BOUND = f"must be <= {100 * MOST_OPEN:g} %; draws beyond are no rigs: check units, or calibrate anew"
 _ROUNDING = 1e-9
 """Of a correlation: by how much a matrix may miss its mirror image."""
 _NOT_POSITIVE = -1e-7
@@ -74,6 +80,7 @@ def read_sourced(path: str | Path) -> SourcedCovariance:
         covariance = CalibrationCovariance(rig, parameters, _matrix(document.matrix, parameters))
         for side in (0, 1):
             parameters.lens(rig, side)
+        _check_sizes(covariance)
     except RigsimError as error:
         raise type(error)(f"{path}: {error}") from None
     source = document.source
@@ -99,7 +106,7 @@ def _document(path: str | Path) -> CovarianceDocument:
     if not isinstance(part, dict) or part.get("kind") != COVARIANCE:
         raise OutputError(f"{path}: holds no covariance of a calibration; name {_WHAT}")
     try:
-        return CovarianceDocument.model_validate(part)
+        return CovarianceDocument.model_validate(part, strict=True)
     except ValidationError as error:
         first = error.errors(include_url=False, include_context=False, include_input=False)[0]
         place = ".".join(map(str, first["loc"]))
@@ -145,12 +152,23 @@ def _parameters(document: CovarianceDocument) -> RigParameters:
     left, right = (None if name is None else _model(name) for name in said.lens_models)
     parameters = RigParameters.of((left, right), warped=said.warped)
     names = (*parameters.names, *FRAME)
+    units = [unit_of(name) for name in names]
     if tuple(document.names) != names:
         wrong = next(
             (f"{a!r} where {b!r} must be" for a, b in zip(document.names, names, strict=False) if a != b),
             f"{len(document.names)} where {len(names)} must be",
         )
         raise InvalidRange(f"covariance: names of its lens models' parameters: {wrong[:100]}")
+    if document.unit != units:
+        wrong = next(
+            (
+                f"{a[:30]!r} of {name}, must be {b!r}"
+                for name, a, b in zip(names, document.unit, units, strict=False)
+                if a != b
+            ),
+            f"{len(document.unit)} where {len(units)} must be",
+        )
+        raise InvalidRange(f"covariance: unit: {wrong}")
     if len(said.free) != len(parameters.names):
         raise InvalidRange(
             f"covariance: free: {len(said.free)} values, must be {len(parameters.names)}, one a parameter"
@@ -181,6 +199,27 @@ def _matrix(rows: list[list[float]], parameters: RigParameters) -> Array:
         raise InvalidRange(f"covariance: variance of {names[i]} is {variances[i]:.3g}: must be >= 0")
     _check_correlations(matrix, names)
     return frozen(matrix)
+
+
+def _check_sizes(covariance: CalibrationCovariance) -> None:
+    """Refuse what was never estimated, and what is known so little that no draw of it need be a rig.
+
+    Raises:
+        InvalidRange: the rig's own covariances are all 0, or one is absurdly large.
+    """
+    if not covariance.of_rig.any():
+        raise InvalidRange(
+            "covariance: all of the rig's are 0: nothing was estimated; calibrate with parameters free"
+        )
+    # its own std may be large where a lens's coefficients undo what it does
+    open_to = focal_openness(covariance)
+    if open_to > MOST_OPEN:
+        raise InvalidRange(f"covariance: std of a focal length is {100 * open_to:.3g} % of it: {_BOUND}")
+    names, baseline_m = covariance.names, covariance.rig.baseline_m
+    for name in ("tx_m", "ty_m", "tz_m"):
+        share = float(covariance.std[names.index(name)]) / baseline_m
+        if share > MOST_OPEN:
+            raise InvalidRange(f"covariance: std of {name} is {100 * share:.3g} % of the baseline: {_BOUND}")
 
 
 def _check_correlations(matrix: Array, names: tuple[str, ...]) -> None:

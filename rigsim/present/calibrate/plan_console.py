@@ -27,6 +27,7 @@ from rigsim.present.calibrate.witness_words import (
     WITNESS_HEADS,
     WITNESS_NUMERIC,
     WITNESS_TITLE,
+    true_sentence,
     witness_rows,
     witness_sentences,
 )
@@ -53,7 +54,8 @@ def print_plan(
     """Print the answer, the depth at each distance, the number of pictures, and what to do next."""
     console = make_console()
     paragraph(console, headline(plan))
-    for sentence in sentences(plan):
+    true = true_sentence(plan, witnesses)
+    for sentence in (*([true] if true else []), *sentences(plan)):
         paragraph(console, sentence)
     console.print()
     heads = depth_heads(plan)
@@ -73,7 +75,7 @@ def print_plan(
         print_table(
             WITNESS_TITLE, WITNESS_HEADS, witness_rows(witnesses), numeric=WITNESS_NUMERIC, console=console
         )
-        for sentence in witness_sentences(witnesses):
+        for sentence in witness_sentences(witnesses, plan):
             paragraph(console, sentence)
         console.print()
     for sentence in (frame_sentence(plan), inseparable_sentence(plan), next_sentence(plan)):

@@ -37,6 +37,7 @@ from rigsim.present.calibrate.projection_figure import projection_figure
 from rigsim.present.calibrate.witness_words import (
     WITNESS_HEADS,
     WITNESS_NUMERIC,
+    true_sentence,
     witness_rows,
     witness_sentences,
 )
@@ -92,6 +93,7 @@ def plan_html(
         title=f"Calibration plan, {plan.asked.board.text}",
         cover=Cover(),
         headline=headline(plan),
+        with_truth=true_sentence(plan, witnesses),
         bench=bench_sentences(plan),
         cards=cards(plan),
         columns=_columns(plan),
@@ -107,7 +109,7 @@ def plan_html(
         witnesses=witness_rows(witnesses),
         witness_heads=[head.replace("\n", " ") for head in WITNESS_HEADS],
         witness_numeric=WITNESS_NUMERIC,
-        witness_says=witness_sentences(witnesses),
+        witness_says=witness_sentences(witnesses, plan),
         projection=Markup(projection),
         inseparable=inseparable_sentence(plan),
         parameters=parameter_rows(plan),

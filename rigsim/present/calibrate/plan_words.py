@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from rigsim.present.calibrate.witness_words import agreement_words as agreement_words
+from rigsim.present.calibrate.witness_words import true_sentence as true_sentence
 from rigsim.present.calibrate.words import board_words, pictures
 from rigsim.present.calibrate.words import holding_words as holding_words
 from rigsim.present.calibrate.words import parameter as parameter

@@ -84,6 +84,13 @@ def _indefinite(document: dict[str, Any]) -> None:
     matrix[0][1] = matrix[1][0] = 3 * (matrix[0][0] * matrix[1][1]) ** 0.5
 
 
+def _scaled(by: float) -> Callable[[dict[str, Any]], None]:
+    def spoil(document: dict[str, Any]) -> None:
+        document["matrix"] = [[by * value for value in row] for row in document["matrix"]]
+
+    return spoil
+
+
 def _short(document: dict[str, Any]) -> None:
     document["matrix"] = [row[:-1] for row in document["matrix"][:-1]]
 
@@ -99,6 +106,13 @@ def _short(document: dict[str, Any]) -> None:
         (_set("matrix", 0, 0, to=float("nan")), "NaN is no number of JSON"),
         (_set("matrix", 0, 0, to=None), "matrix.0.0: input should be a valid number"),
         (_set("matrix", to=[]), "0 rows of 0 numbers"),
+        (_set("matrix", 0, 0, to="1"), "matrix.0.0: input should be a valid number"),
+        (_set("matrix", 0, 0, to=True), "matrix.0.0: input should be a valid number"),
+        (_set("rig", "left", "fx_px", to="500"), "rig.left.fx_px: input should be a valid number"),
+        (_set("unit", 0, to="mm"), "unit: 'mm' of left.fx, must be 'px'"),
+        (_set("unit", to=["px"]), "unit: 1 where 30 must be"),
+        (_scaled(0.0), "all of the rig's are 0: nothing was estimated"),
+        (_scaled(1e12), "std of a focal length is "),
         (_drop("rig"), "covariance: rig: field required"),
         (_drop("kind"), "holds no covariance"),
         (_drop("names"), "names: field required"),
@@ -130,6 +144,20 @@ def test_what_is_no_covariance_is_told_in_one_line(
     assert says in str(caught.value)
     assert str(caught.value).startswith(f"{path}: ")
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["left.fx", "right.fy", "tx_m", "tz_m"])
+def test_a_focal_length_or_baseline_is_known_to_a_fifth_at_least(tmp_path: Path, name: str) -> None:
+    covariance = calibrated()
+    at = covariance.names.index(name)
+    rig = covariance.rig
+    whole = {"left.fx": rig.left.fx, "right.fy": rig.right.fy}.get(name, rig.baseline_m)
+    diagonal = np.zeros_like(covariance.matrix)
+    diagonal[at, at] = (0.199 * whole) ** 2
+    read_covariance(written(replace(covariance, matrix=diagonal), tmp_path / "some.json"))
+    diagonal[at, at] = (0.21 * whole) ** 2
+    with pytest.raises(RigsimError, match=r"std of .* is 21 % of .*: must be <= 20 %"):
+        read_covariance(written(replace(covariance, matrix=diagonal.copy()), tmp_path / "most.json"))
 
 
 @pytest.mark.parametrize(

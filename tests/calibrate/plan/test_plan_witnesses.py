@@ -9,12 +9,20 @@ from pathlib import Path
 import pytest
 
 import rigsim
+from rigsim.api.calibrate.plan import PlannedCalibration
 from rigsim.present.calibrate.drift_words import drift_heads, drift_rows
 from rigsim.present.calibrate.plan_page import plan_html
-from rigsim.present.calibrate.witness_words import agreement_words, witness_rows, witness_sentences
+from rigsim.present.calibrate.witness_words import (
+    agreement_words,
+    true_sentence,
+    witness_rows,
+    witness_sentences,
+)
 from rigsim.study.agreement.agreement import Agreement
 from rigsim.study.calibrate.drift import drift
+from rigsim.study.calibrate.witness.bench import CalibrationBench
 from rigsim.study.calibrate.witness.result import CalibrationWitness, WitnessedDepth
+from rigsim.study.calibrate.witness.truth import true_depth
 from tests.helpers.calibrate.plans import made_plan
 from tests.helpers.cli import rigsim as run
 from tests.helpers.documents import misplaced, valid
@@ -99,6 +107,57 @@ def test_the_page_and_the_document_show_them(tmp_path: Path) -> None:
     (depth,) = one["depths"]
     assert depth["predicted_mm"] == pytest.approx(document["depth_std"][0]["calibration_mm"], rel=1e-6)
     assert 0.4 < depth["ratio"] < 1.8
+
+
+def test_a_goal_that_the_true_board_misses_is_said_first_at_the_distance_asked_for() -> None:
+    # 3-4-12: 3 mm off on average, 4 mm of spread, and what remains of 13 mm of pixel noise
+    plan = made_plan(error_m=0.02, noise_px=0.25 * 12 / 21.3692)
+    off = WitnessedDepth(2.0, 0.004, 0.004, 0.003, (0.9, 1.1))
+    worse = WitnessedDepth(1.0, 0.001, 0.001, 0.050, (0.9, 1.1))
+    one = replace(WITNESS, depths=(worse, off), true_board=True)
+    found = true_depth(plan, [WITNESS, one])
+    assert found is not None
+    assert found.rms_m == pytest.approx(0.013, rel=1e-3)
+    assert found.met is True
+    assert true_sentence(plan, [one]).startswith(
+        "With the true board this plan meets 20 mm: in 300 simulated"
+    )
+    assert "1 m" not in true_sentence(plan, [one])
+    biased = replace(one, depths=(worse, replace(off, mean_m=-0.019)))
+    said = true_sentence(plan, [biased])
+    assert "this plan misses 20 mm" in said
+    assert "depths at 2 m are 19.0 mm too small on average" in said
+    assert said.endswith("let the calibration find its warp (`--warp`).")
+    assert said.split(" More")[0] in plan_html(plan, [biased])
+    document = PlannedCalibration(plan, (biased,)).document()
+    assert document["true_depth"]["met"] is False
+    assert document["headline"].endswith("warp (--warp).")
+    (at_two,) = witness_sentences([biased], plan)
+    assert "At 2 m depths are 19.0 mm too small" in at_two
+
+
+def test_a_true_lens_is_remedied_by_its_model_and_no_truth_says_nothing() -> None:
+    plan = made_plan()
+    off = replace(WITNESS, depths=(replace(DEPTH, mean_m=0.019),), true_lens="rational")
+    assert true_sentence(plan, [off]).startswith("With the true lens (rational) this plan misses 20 mm")
+    assert "`--model rational`" in true_sentence(plan, [off])
+    assert true_sentence(plan, [WITNESS]) == ""
+    flagged = replace(off, true_lens="", agreement=Agreement("flagged", "measured", "mean", "mean depth"))
+    assert true_sentence(plan, [flagged]).startswith("This plan misses 20 mm")
+
+
+def test_what_an_agreement_excuses_is_said_where_an_interval_does_not_hold_1() -> None:
+    outside = replace(WITNESS, depths=(replace(DEPTH, interval=(1.010, 1.131)),))
+    (said,) = witness_sentences([outside])
+    assert ": agrees, within the 5 % of scatter that such calibrations may differ by." in said
+    (said,) = witness_sentences([replace(outside, name="measured")])
+    assert "within the 25 % of scatter" in said
+
+
+def test_the_distance_asked_for_is_witnessed_though_it_is_not_told() -> None:
+    bench = CalibrationBench.of(made_plan(at_m=(1.0, 3.0)))
+    assert bench.at_m == (1.0, 2.0, 3.0)
+    assert CalibrationBench.of(made_plan()).at_m == (1.0, 2.0, 3.0, 5.0)
 
 
 def test_drift_is_told_in_mm_with_its_size() -> None:

@@ -119,7 +119,7 @@ def covariance_part(covariance: CalibrationCovariance, source: Mapping[str, Any]
             warped=parameters.warped,
         ),
         names=list(covariance.names),
-        unit=[_unit(name) for name in covariance.names],
+        unit=[unit_of(name) for name in covariance.names],
         matrix=covariance.matrix.tolist(),
     )
 
@@ -151,7 +151,8 @@ def camera_part(camera: Intrinsics) -> CovarianceCamera:
     )
 
 
-def _unit(name: str) -> str:
+def unit_of(name: str) -> str:
+    """The unit of a parameter; empty for a plain number."""
     side, _, own = name.rpartition(".")
     if own in CAMERA:
         return "px"

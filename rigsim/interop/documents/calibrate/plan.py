@@ -26,6 +26,7 @@ from rigsim.interop.documents.calibrate.plan_models import (
     PlanProjection,
     PlanRemedy,
     PlanRequest,
+    PlanTrueDepth,
     PlanWitness,
     PlanWitnessDepth,
     UndeterminedDocument,
@@ -41,6 +42,7 @@ from rigsim.study.calibrate.holding import Holding, holdings
 from rigsim.study.calibrate.plan.result import CalibrationPlan, NextPose
 from rigsim.study.calibrate.projection import FAR_M, projection_map
 from rigsim.study.calibrate.witness.result import CalibrationWitness, WitnessedDepth
+from rigsim.study.calibrate.witness.truth import TrueDepth, true_depth
 from rigsim.theory.calibration.boards import BoardPoses
 
 
@@ -49,6 +51,9 @@ class PlanSays(Protocol):
 
     def headline(self, plan: CalibrationPlan) -> str:
         """The answer in one sentence."""
+
+    def true_sentence(self, plan: CalibrationPlan, witnesses: Sequence[CalibrationWitness]) -> str:
+        """What witnesses that met another lens or board found; empty where there are none."""
 
     def sentences(self, plan: CalibrationPlan) -> list[str]:
         """What else there is to say."""
@@ -86,7 +91,7 @@ def plan_document(plan: CalibrationPlan, says: PlanSays, told: PlanTold) -> dict
     square_mm = clean(board.square_m * 1e3)
     return PlanDocument(
         command=told.command,
-        headline=_said(says.headline(plan)),
+        headline=_said(f"{says.headline(plan)} {says.true_sentence(plan, told.witnesses)}".rstrip()),
         sentences=[_said(sentence) for sentence in says.sentences(plan)],
         rig=seen_rig(asked.rig),
         board=PlanBoard(text=board.text, columns=board.cols, rows=board.rows, square_mm=square_mm),
@@ -125,6 +130,7 @@ def plan_document(plan: CalibrationPlan, says: PlanSays, told: PlanTold) -> dict
         ],
         projection=_projections(plan),
         witnesses=[_witness(one, says) for one in told.witnesses],
+        true_depth=_true(true_depth(plan, told.witnesses)),
         complete=told.complete,
         drift=[_drift(one) for one in drift(asked.rig, asked.at_m)],
         covariance=covariance_part(plan.covariance, covariance_source(plan)),
@@ -263,6 +269,19 @@ def _witness(one: CalibrationWitness, says: PlanSays) -> PlanWitness:
             "agreement": one.agreement.kind,
             "says": says.agreement_words(one.agreement),
         }
+    )
+
+
+def _true(found: TrueDepth | None) -> PlanTrueDepth | None:
+    if found is None:
+        return None
+    return PlanTrueDepth(
+        z_m=found.row.z_m,
+        mean_mm=found.row.mean_m * 1e3,
+        rms_mm=found.rms_m * 1e3,
+        met=found.met,
+        true_lens=found.witness.true_lens,
+        true_board=found.witness.true_board,
     )
 
 

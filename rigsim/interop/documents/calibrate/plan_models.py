@@ -115,6 +115,23 @@ class PlanWitnessDepth(Part):
     """Upper end."""
 
 
+class PlanTrueDepth(Part):
+    """The depth error at the distance asked for with the lens and the board that are in the pictures."""
+
+    z_m: float
+    """Depth on the left optical axis, m."""
+    mean_mm: float
+    """Mean error, mm: no number of pictures lessens it."""
+    rms_mm: float
+    """Root mean square of the mean error, the calibrations' spread and the noise of a match, mm."""
+    met: bool | None
+    """Whether that meets the depth error wanted; null where none was wanted."""
+    true_lens: str
+    """Model of the true lens; empty where it is the plan's."""
+    true_board: bool
+    """Whether the true board is another than the plan's."""
+
+
 class PlanWitness(Part):
     """Another witness of the plan: whole calibrations, simulated, or rendered and measured."""
 
@@ -257,7 +274,7 @@ class PlanDocument(Part):
     command: str
     """What made it."""
     headline: str
-    """The answer in one sentence."""
+    """The answer in one sentence, and in another what `true_depth` comes to."""
     sentences: list[str]
     """What else there is to say."""
     rig: SeenRig
@@ -295,6 +312,8 @@ class PlanDocument(Part):
     """At the depth that poses are chosen for, and infinitely far."""
     witnesses: list[PlanWitness]
     """Simulated and measured calibrations beside the prediction; empty without --verify."""
+    true_depth: PlanTrueDepth | None
+    """What the worst found of those that met another lens or board, or were off on average; null: none."""
     complete: bool
     """Whether all of them are there; false after Ctrl-C."""
     drift: list[PlanDrift]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -49,8 +50,11 @@ class CalibrationBench:
     def of(
         cls, plan: CalibrationPlan, true_rig: StereoRig | None = None, true_board: Board | None = None
     ) -> CalibrationBench:
-        """That of a plan."""
+        """That of a plan; the depth that its poses are chosen for is told too."""
         asked = plan.asked
+        chosen_m = asked.chosen_for_m
+        told = any(math.isclose(z_m, chosen_m) for z_m in asked.at_m)
+        at_m = asked.at_m if told else tuple(sorted((*asked.at_m, chosen_m)))
         return cls(
             asked.rig,
             asked.parameters,
@@ -58,7 +62,7 @@ class CalibrationBench:
             plan.poses,
             plan.seen,
             asked.corner_noise_px,
-            asked.at_m,
+            at_m,
             asked.flatness_m,
             true_rig,
             true_board,

@@ -59,5 +59,10 @@ class CalibrationWitness:
     """Places of the board that each calibration was made from."""
     unfound: int = 0
     """Pictures, of those of one calibration, in which the detector found no board."""
+    true_lens: str = ""
+    """Model of the lens in the pictures where it is another than the plan's; ``pinhole`` of none, empty
+    where it is the plan's."""
+    true_board: bool = False
+    """Whether the board in the pictures is another than the plan's, as a warped one."""
     by_opencv: bool = False
     """Whether OpenCV calibrated; else rigsim's own least squares did."""

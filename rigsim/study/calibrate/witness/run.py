@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 from rigsim import interrupts
 from rigsim.errors import InvalidRange
 from rigsim.rig.board import Board
@@ -55,7 +58,7 @@ def run_witnesses(
         told = None if progress is None else lambda done: progress("recalibrations", done, simulated)
         found.append(simulate_calibrations(bench, count=simulated, seed=seed, progress=told))
         if found[0].calibrations < simulated:
-            return tuple(found)
+            return told_truth(found, bench)
     if measured:
         try:
             found.append(measure_calibrations(bench, count=measured, seed=seed, progress=progress))
@@ -63,7 +66,19 @@ def run_witnesses(
             if not found:
                 raise
             interrupts.caught()
-    return tuple(found)
+    return told_truth(found, bench)
+
+
+def told_truth(
+    found: Sequence[CalibrationWitness], bench: CalibrationBench
+) -> tuple[CalibrationWitness, ...]:
+    """The witnesses with what was true in them where the plan takes it for something else."""
+    lens = ""
+    if bench.true_rig is not None:
+        own = bench.true_rig.left.lens or bench.true_rig.right.lens
+        lens = "pinhole" if own is None else own.model
+    board = bench.true_board is not None and bench.true_board != bench.board
+    return tuple(replace(one, true_lens=lens, true_board=board) for one in found)
 
 
 def _check(plan: CalibrationPlan, true_rig: StereoRig | None, true_board: Board | None) -> None:
