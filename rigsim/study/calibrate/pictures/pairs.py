@@ -30,7 +30,7 @@ class PicturePair:
     def name(self) -> str:
         """Both files' names without what they share: ``left01/right01``, ``003``."""
         if self.left == self.right:  # a table of corners names the moment alone
-            return self.left
+            return str(PurePath(self.left).with_suffix(""))
         left, right = PurePath(self.left).stem, PurePath(self.right).stem
         return left if left == right else f"{left}/{right}"
 
