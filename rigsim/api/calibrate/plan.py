@@ -236,11 +236,12 @@ def _asked(options: PlanOptions, rig: StereoRig, board: Board) -> tuple[PlanAske
     near_m, far_m = _two(options.range_m, "range_m", "(near, far), m")
     noise_px = coordinate_noise_px(options.noise_px, options.disparity_noise_px)
     at_m = given.reals(options.at_m, "at_m")
+    poses, recorded = _poses(options.poses, board)
     asked = PlanAsked(
         modelled,
         parameters,
         board,
-        poses=_poses(options.poses),
+        poses=poses,
         reach=Reach(near_m, far_m, math.radians(given.real(options.tilt_deg, "tilt_deg"))),
         corner_noise_px=given.real(options.corner_noise_px, "corner_noise_px"),
         noise_px=NOISE_PX if noise_px is None else given.real(noise_px, "noise_px"),
@@ -249,23 +250,32 @@ def _asked(options: PlanOptions, rig: StereoRig, board: Board) -> tuple[PlanAske
         at_m=tuple(sorted(at_m)),
         seed=options.seed,
     )
-    return asked, (*remarks, *held)
+    return asked, (*remarks, *held, *recorded)
 
 
-def _poses(poses: object) -> BoardPoses | int:
-    from rigsim.interop.files.poses import read_poses
+def _poses(poses: object, board: Board) -> tuple[BoardPoses | int, tuple[Remark, ...]]:
+    """Where boards are held, or how many are; and a remark where that was recorded with another board."""
+    from rigsim.interop.files.poses import read_recorded_poses
     from rigsim.theory.calibration.boards import BoardPoses
 
     if isinstance(poses, BoardPoses):
-        return poses
+        return poses, ()
     if isinstance(poses, str | os.PathLike):
-        return read_poses(given.path(poses, "poses"))
+        path = given.path(poses, "poses")
+        found, recorded = read_recorded_poses(path)
+        if recorded is None or recorded.text == board.text:
+            return found, ()
+        text = (
+            f"{path} was recorded with board {recorded.text}: its poses are of that one's first corner, and"
+            f" {board.text} reaches elsewhere from there"
+        )
+        return found, (Remark("another_board", text),)
     if isinstance(poses, int | np.integer) and not isinstance(poses, bool):
-        return int(poses)
+        return int(poses), ()
     rows = BoardPoses.of(cast(npt.ArrayLike, poses))
     if not len(rows):
         raise InvalidRange("poses: there are none: give a number, a poses.json, or six numbers a board")
-    return rows
+    return rows, ()
 
 
 def _goal(options: PlanOptions, at_m: tuple[float, ...]) -> DepthGoal | None:

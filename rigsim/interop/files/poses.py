@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -22,10 +23,22 @@ def read_poses(path: str | Path) -> BoardPoses:
     """The poses in a poses.json; keys that it has besides are passed over.
 
     Raises:
+        OutputError, InvalidRange: as `read_recorded_poses`.
+    """
+    return read_recorded_poses(path)[0]
+
+
+def read_recorded_poses(path: str | Path) -> tuple[BoardPoses, Board | None]:
+    """The poses in a poses.json, and the board that they were recorded with; None where it says none.
+
+    Raises:
         OutputError: the file cannot be read, or is too large.
         InvalidRange: it holds no poses.
     """
-    text = foreign.read_text(path, f"a poses file, {_FORM}")
+    try:
+        text = foreign.read_text(path, f"a poses file, {_FORM}")
+    except UnicodeDecodeError:
+        raise InvalidRange(f"{path}: no JSON (not UTF-8 text): must be {_FORM}") from None
     try:
         found = json.loads(text)
     except (ValueError, RecursionError) as error:
@@ -41,7 +54,14 @@ def read_poses(path: str | Path) -> BoardPoses:
         raise InvalidRange(f"{path}: {KEY} is empty: give two poses at least, {_FORM}")
     for place, row in enumerate(rows, 1):
         _check_row(row, f"{path}: pose {place}")
-    return BoardPoses.of(rows)
+    return BoardPoses.of(rows), _board(found.get("board"))
+
+
+def _board(text: object) -> Board | None:
+    try:
+        return Board.of(text) if isinstance(text, str) else None
+    except InvalidRange:  # somebody else's key
+        return None
 
 
 def _check_row(row: Any, name: str) -> None:
@@ -51,6 +71,12 @@ def _check_row(row: Any, name: str) -> None:
     for value in row:
         if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < 1e6:
             raise InvalidRange(f"{name}: {shown(value)}: must be a finite number, rad or m")
+    turn = math.hypot(*row[:3])
+    if turn > 2 * math.pi:
+        raise InvalidRange(
+            f"{name}: rotation vector of {turn:.3g} rad, more than a whole turn (6.28): must be rad; are"
+            " these degrees?"
+        )
 
 
 def poses_document(board: Board, poses: BoardPoses, holdings: Sequence[str]) -> dict[str, Any]:

@@ -132,8 +132,9 @@ def bench_sentences(plan: CalibrationPlan) -> list[str]:
         f"Take {pictures(len(plan.poses))} with both cameras at the same moment, {near} to {far} away: board"
         " and rig still, all of the board sharp and in the picture. Do not touch focus, zoom or the mount"
         " afterwards.",
-        "Hold it as the pictures show it: they are seen from behind the cameras, left as the left camera sees"
-        " it. A hand's breadth and 10° are near enough.",
+        "Hold it as the pictures show it: the blue one is what the left camera sees, the orange one what the"
+        " right camera sees. A hand's breadth and 10° are near enough, but the whole board must stay in the"
+        " picture.",
         order_sentence(plan),
     ]
 

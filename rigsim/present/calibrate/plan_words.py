@@ -27,9 +27,9 @@ def headline(plan: CalibrationPlan) -> str:
     row, goal, needed = chosen_depth(plan), plan.asked.goal, plan.needed
     verb = "gives" if len(plan.poses) == 1 else "give"
     said = (
-        f"{pictures(len(plan.poses))} of the {board_words(plan.asked.board)} {verb} {length(row.joint_m)} at"
-        f" {plain(plan.asked.chosen_for_m)} m: {length(row.calibration_m)} by calibration,"
-        f" {length(row.observation_m)} by pixel noise"
+        f"{pictures(len(plan.poses))} of the {board_words(plan.asked.board)} {verb} {length(row.joint_m)} of"
+        f" depth std at {plain(plan.asked.chosen_for_m)} m on the axis: {length(row.calibration_m)} by"
+        f" calibration, {length(row.observation_m)} by pixel noise"
     )
     if goal is None:
         return f"{said}."
@@ -42,7 +42,12 @@ def headline(plan: CalibrationPlan) -> str:
         return f"{said}; it takes {needed.count} for {wanted}."
     if needed.count == len(plan.poses):
         return f"{said}; it takes all of them for {wanted}."
-    return f"{said}; {needed.count} are enough for {wanted}."
+    return f"{said}; {needed.count} are enough for {wanted} there{_all_the_same(needed.count)}."
+
+
+def _all_the_same(count: int) -> str:
+    """What to take in practice of a number that would do."""
+    return f", but take {FEW}, so that a bad picture shows" if count < FEW else ""
 
 
 def sentences(plan: CalibrationPlan) -> list[str]:
@@ -93,27 +98,33 @@ def _hindrance(plan: CalibrationPlan, code: str) -> str:
 
 def corner_sentence(plan: CalibrationPlan) -> str:
     """What is left off the axis; empty where it is much the same."""
-    axis = chosen_depth(plan)
-    off = [row for row in chosen_places(plan) if row.place != "axis" and row.joint_m > _WORSE * axis.joint_m]
+    axis, goal = chosen_depth(plan), plan.asked.goal
+    # a goal that the axis meets may be missed elsewhere
+    wanted = goal.error_m if goal is not None and axis.joint_m <= goal.error_m else math.inf
+    least = min(_WORSE * axis.joint_m, wanted)
+    off = [row for row in chosen_places(plan) if row.place != "axis" and row.joint_m > least]
     if not off:
         return ""
+    more = f", above {plain(wanted * 1e3)} mm"
     parts = " and ".join(
-        f"{length(row.joint_m)} at the picture's {row.place} ({length(row.calibration_m)} by calibration)"
+        f"{length(row.joint_m)} at the picture's {row.place} ({length(row.calibration_m)} by calibration"
+        f"{more if row.joint_m > wanted else ''})"
         for row in off
     )
     return f"That is on the left camera's axis; at the same distance it is {parts}."
 
 
 def enough_sentence(plan: CalibrationPlan) -> str:
-    """From how many pictures on more do not pay; empty where none of the curve is."""
+    """From how many pictures on more do not pay; empty where none of the curve is, or a goal says how many
+    it takes."""
     count = enough(plan)
-    if count is None:
+    if count is None or plan.asked.goal is not None:
         return ""
     least = plan.curve[0].pictures
     when = f"From {pictures(count)} on" if count > least else f"Already with {pictures(count)}"
     share = plain(100 * (NOTICED - 1), 2)
     said = f"{when} calibration adds less than {share} % to what pixel noise makes on the axis"
-    return f"{said}; take {FEW} all the same, so that a bad picture shows." if count < FEW else f"{said}."
+    return f"{said}{_all_the_same(count)}."
 
 
 def gain_sentence(plan: CalibrationPlan) -> str:
@@ -202,9 +213,12 @@ def curve_shown(plan: CalibrationPlan) -> list[int]:
 
 def order_sentence(plan: CalibrationPlan) -> str:
     """Whether one may stop early."""
-    if isinstance(plan.asked.poses, int):
-        return "Best first: after any of them you may stop, and the curve says what you have."
-    return "In the order of the file."
+    if not isinstance(plan.asked.poses, int):
+        return "In the order of the file."
+    least = max(plan.needed.count or 0, FEW)
+    if least >= len(plan.poses) or (plan.asked.goal is not None and plan.needed.count is None):
+        return "Best first."
+    return f"Best first: after {least} of them you may stop; the curve says what the others add."
 
 
 def held_words(plan: CalibrationPlan) -> str:

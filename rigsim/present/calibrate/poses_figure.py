@@ -37,7 +37,11 @@ def poses_figure(plan: CalibrationPlan) -> Figure:
         more = f" (the first {count} of {len(plan.poses)})" if count < len(plan.poses) else ""
         for text, down, weight in (
             (f"Where the board is held{more}: left and right picture of each", 0.1, "bold"),
-            ("Seen from behind the cameras. Distances are to the board's middle.", 0.31, "normal"),
+            (
+                "Blue: what the left camera sees; orange: the right. Distances are to the board's middle.",
+                0.31,
+                "normal",
+            ),
         ):
             x, y = _LEFT_IN / style.PAGE_WIDTH_IN, 1 - down / page
             figure.text(x, y, text, weight=weight, fontsize=10.5 if weight == "bold" else 9, va="top")

@@ -43,7 +43,7 @@ def test_the_headline_tells_both_parts_and_their_sum_of_squares() -> None:
     asked = replace(PLAN.asked, goal=None, at_m=(2.0,))
     said = plan_words.headline(replace(PLAN, asked=asked, needed=PicturesNeeded(None)))
     assert said == (
-        "12 pictures of the 9x6 board of 30 mm squares give 21.4 mm at 2 m:"
+        "12 pictures of the 9x6 board of 30 mm squares give 21.4 mm of depth std at 2 m on the axis:"
         f" {row.calibration_m * 1e3:.2f} mm by calibration, 21.4 mm by pixel noise."
     )
 
@@ -52,7 +52,7 @@ def test_the_headline_tells_both_parts_and_their_sum_of_squares() -> None:
     ("count", "says"),
     [
         (None, "; no number of pictures gives 20 mm"),
-        (7, "; 7 are enough for 20 mm."),
+        (7, "; 7 are enough for 20 mm there, but take 8, so that a bad picture shows."),
         (12, "; it takes all of them for 20 mm."),
         (31, "; it takes 31 for 20 mm."),
     ],
@@ -82,12 +82,13 @@ def test_a_remedy_is_said_with_what_it_gives() -> None:
 
 def test_enough_is_where_calibration_adds_less_than_five_percent() -> None:
     # 5 % over 10 mm is sqrt(1.05^2 - 1) = 0.3202 of it by calibration
-    plan = replace(PLAN, curve=curve(math.inf, 0.02, 0.00321, 0.00320, 0.001))
+    asked = replace(PLAN.asked, goal=None)
+    plan = replace(PLAN, asked=asked, curve=curve(math.inf, 0.02, 0.00321, 0.00320, 0.001))
     assert enough(plan) == 5
     assert "From 5 pictures on" in plan_words.enough_sentence(plan)
     assert enough(replace(PLAN, curve=curve(0.02, 0.01))) is None
     assert plan_words.enough_sentence(replace(PLAN, curve=curve(0.02, 0.01))) == ""
-    assert "Already with 2 pictures" in plan_words.enough_sentence(replace(PLAN, curve=curve(0.001)))
+    assert "Already with 2 pictures" in plan_words.enough_sentence(replace(plan, curve=curve(0.001)))
     # without pixel noise calibration is all there is, and never too little
     assert enough(replace(PLAN, curve=curve(0.02, 0.001, noise_m=0.0))) is None
 

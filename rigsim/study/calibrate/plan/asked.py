@@ -16,11 +16,30 @@ MOST_POSES = 200
 """Pictures by each camera that a plan has."""
 
 
-def _within(value: float, name: str, unit: str, above: float | None = None) -> None:
+MOST_CORNER_PX = 10.0
+"""Noise of a corner beyond which nothing was found at all."""
+FARTHEST_M = 1e4
+"""Beyond, no stereo rig measures anything."""
+
+
+def _within(value: float, name: str, unit: str, above: float | None = None, most: float = math.inf) -> None:
     low_enough = value > above if above is not None else value >= 0
     if not (low_enough and value < math.inf):
         bound = f"> {above:g}" if above is not None else ">= 0"
         raise InvalidRange(f"{name} {value:g} {unit}: must be {bound} and finite")
+    if value > most:
+        raise InvalidRange(f"{name} {value:g} {unit}: must be <= {most:g} {unit}")
+
+
+def check_depth(z_m: float) -> None:
+    """Refuse a depth that no rig measures.
+
+    Raises:
+        InvalidRange: it is not above 0, or too large.
+    """
+    _within(z_m * 1e3, "depth", "mm", above=0)
+    if z_m > FARTHEST_M:
+        raise InvalidRange(f"depth {z_m:g} m: must be <= {FARTHEST_M / 1e3:g} km")
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +77,7 @@ class DepthGoal:
 
     def __post_init__(self) -> None:
         _within(self.error_m * 1e3, "depth error", "mm", above=0)
-        _within(self.z_m * 1e3, "depth", "mm", above=0)
+        check_depth(self.z_m)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,13 +113,13 @@ class PlanAsked:
             raise InvalidRange(
                 f"{self.poses} poses: must be {LEAST_POSES} to {MOST_POSES}; one leaves a rig's numbers open"
             )
-        _within(self.corner_noise_px, "corner noise", "px", above=0)
+        _within(self.corner_noise_px, "corner noise", "px", above=0, most=MOST_CORNER_PX)
         _within(self.noise_px, "noise", "px")
         _within(self.flatness_m * 1e3, "flatness", "mm")
         if not self.at_m:
             raise InvalidRange("no depth to tell: must be one at least")
         for z_m in self.at_m:
-            _within(z_m * 1e3, "depth", "mm", above=0)
+            check_depth(z_m)
 
     @property
     def chosen_for_m(self) -> float:

@@ -9,15 +9,17 @@ import numpy as np
 from rigsim.errors import CalibrationUndetermined
 from rigsim.rig.arrays import Array
 from rigsim.rig.stereo import StereoRig
-from rigsim.study.calibrate.plan.asked import PlanAsked
+from rigsim.study.calibrate.plan.asked import MOST_POSES, PlanAsked
 from rigsim.study.calibrate.plan.held import smallest_square_px
 from rigsim.study.calibrate.plan.reach import LEAST_SQUARE_PX, ReachedPoses
 from rigsim.theory.calibration.boards import BoardPoses
 from rigsim.theory.calibration.covariance import CalibrationCovariance
+from rigsim.theory.calibration.parameters import CAMERA
 
 _NO_TILT_RAD = math.radians(2)
 _BESIDE = 1e-3
 """So far off its axis a camera's scale is taken, a share of the distance."""
+_SAME = 1e-6
 _MIDDLE = 0.6
 """Share of the half diagonal of a picture; within, a lens bends little."""
 
@@ -47,11 +49,25 @@ def undetermined(asked: PlanAsked, reached: ReachedPoses, names: tuple[str, ...]
             f"a single board leaves {_some(names)} open: hold it in several places, tilted differently",
             "one_pose",
         )
-    if tilt < _NO_TILT_RAD:
+    if _same(reached):
         return CalibrationUndetermined(
-            f"no board is tilted: all {n} are parallel to the pictures (largest tilt"
-            f" {math.degrees(tilt):.2g} deg), where a longer focal length looks like boards farther off;"
-            " tilt some by 30 deg and more, about different axes",
+            f"all {n} boards are held in the same pose, which leaves {_some(names)} open as a single one"
+            " does: hold it in several places, tilted differently",
+            "one_pose",
+        )
+    chosen = isinstance(asked.poses, int)
+    if tilt < _NO_TILT_RAD:
+        allowed = f"{math.degrees(asked.reach.tilt_rad):.2g}deg"
+        why = f" (`--tilt {allowed}` allows no more)" if chosen else ""
+        way = (
+            "allow some tilt (`--tilt 40deg`)"
+            if chosen
+            else "tilt some by 30 deg and more, about different axes"
+        )
+        return CalibrationUndetermined(
+            f"no board is tilted{why}: all {n} are parallel to the pictures (largest tilt"
+            f" {math.degrees(tilt):.2g} deg), where a longer focal length looks like boards farther"
+            f" off; {way}",
             "no_tilt",
         )
     square = typical_square_px(asked, reached)
@@ -68,11 +84,38 @@ def undetermined(asked: PlanAsked, reached: ReachedPoses, names: tuple[str, ...]
             f" corners): {_some(names)} stay open; hold some near rims and corners, or fix lens coefficients",
             "middle",
         )
-    return CalibrationUndetermined(
-        f"these {n} boards leave {_some(names)} open: hold more, tilted and placed differently, or fix some"
-        " of these",
-        "open",
+    ways = _ways_out(asked, n) if chosen else "hold more, tilted and placed differently, or fix some of these"
+    return CalibrationUndetermined(f"these {n} boards leave {_some(names)} open: {ways}", "open")
+
+
+def _same(reached: ReachedPoses) -> bool:
+    """Whether all boards are held in one pose."""
+    poses = reached.poses
+    return bool(
+        np.allclose(poses.R, poses.R[:1], rtol=0, atol=_SAME)
+        and np.allclose(poses.t, poses.t[:1], rtol=_SAME, atol=_SAME)
     )
+
+
+def _ways_out(asked: PlanAsked, count: int) -> str:
+    """What to ask for instead where poses that were chosen leave a rig open."""
+    ways = []
+    if count < MOST_POSES:
+        ways.append(f"choose more (`--poses {min(3 * count, MOST_POSES)}`)")
+    free = set(asked.parameters.free_names(asked.rig))
+    rational = [name for name in ("k4", "k5", "k6") if {f"left.{name}", f"right.{name}"} & free]
+    if rational:
+        ways += ["plan a leaner lens (`--model brown`)", f"hold some (`--fix {','.join(rational)}`)"]
+    elif any(name.endswith(".k3") for name in free):
+        ways.append("hold some (`--fix k3`)")
+    return ", or ".join([*ways, "hold the board nearer (`--range`)"])
+
+
+def lens_coefficients(asked: PlanAsked) -> tuple[str, ...]:
+    """What the lens models have that is estimated, as sentences call it."""
+    free = [name.partition(".")[2] for name in asked.parameters.free_names(asked.rig) if "." in name]
+    own = [name for name in dict.fromkeys(free) if name not in CAMERA]
+    return (f"the lens coefficients ({', '.join(own)})",) if own else ("the focal lengths",)
 
 
 def tilts_rad(rig: StereoRig, poses: BoardPoses) -> Array:

@@ -12,6 +12,8 @@ from rigsim.rig.intrinsics import Intrinsics
 from rigsim.study.calibrate.plan.asked import PlanAsked, Reach
 from rigsim.theory.calibration.boards import BoardPoses, rotations, whole
 
+LEAST_SQUARE_PX = 6.0
+"""Shortest side of a square, as it is seen, whose corners finders still find."""
 HELD_TIMES = 20
 """How often poses are held again, to see what hands make of them."""
 HAND_M, HAND_RAD = 0.03, math.radians(4)

@@ -19,6 +19,8 @@ _HARDLY_SURE = 1e-3
 """Of a focal length: what its calibration is well known to reach."""
 _SMALL_PART = 0.5
 _CELLS = (12, 9)
+_MANY = 20
+"""Pictures that usually reach all over."""
 FEW = 8
 """Pictures among which a bad one stands out."""
 _FEW_PLACES = 60
@@ -28,31 +30,24 @@ def oddities(
     reached: ReachedPoses, covariance: CalibrationCovariance, asked: PlanAsked
 ) -> tuple[Remark, ...]:
     """Remarks on the boards that are held."""
-    remarks = []
+    remarks, chosen = [], isinstance(asked.poses, int)
     tilt, open_to = largest_tilt_rad(asked.rig, reached.poses), focal_openness(covariance)
     if tilt < _LITTLE_TILT_RAD and open_to > _HARDLY_SURE:
         remarks.append(
             Remark(
                 "little_tilt",
                 f"no board is tilted by more than {math.degrees(tilt):.2g} deg: focal lengths stay open"
-                f" to {100 * open_to:.2g} %, and distances with them; tilt some by 30 deg or more, any way",
+                f" to {100 * open_to:.2g} %, and distances with them; "
+                + ("allow more (`--tilt 40deg`)" if chosen else "tilt some by 30 deg or more, any way"),
             )
         )
-    shares = covered(asked, reached)
-    for share, name in zip(shares, ("left", "right"), strict=True):
-        if share < _SMALL_PART:
-            remarks.append(
-                Remark(
-                    "small_part_of_picture",
-                    f"corners reach {100 * share:.0f} % of the {name} picture: what its lens does in the rest"
-                    " is extrapolated, by a model that may not hold there; hold boards near rims and corners",
-                )
-            )
+    remarks += _small_part(asked, reached)
     if len(reached) < FEW:
+        more = f" (`--poses {FEW}`)" if chosen else ""
         remarks.append(
             Remark(
                 "few_pictures",
-                f"{len(reached)} pictures leave nothing to notice a bad one by: take {FEW} and more",
+                f"{len(reached)} pictures leave nothing to notice a bad one by: take {FEW} and more{more}",
             )
         )
     shared = int(reached.both.sum())
@@ -65,6 +60,26 @@ def oddities(
             )
         )
     return tuple(remarks)
+
+
+def _small_part(asked: PlanAsked, reached: ReachedPoses) -> list[Remark]:
+    """A remark where corners reach little of the pictures."""
+    left, right = covered(asked, reached)
+    if min(left, right) >= _SMALL_PART:
+        return []
+    way = "hold boards near rims and corners"
+    if isinstance(asked.poses, int):
+        near, far = asked.reach.near_m / 2, asked.reach.far_m
+        more = f"more pictures (`--poses {_MANY}`) or " if asked.poses < _MANY else ""
+        way = f"{more}a board held nearer (`--range {near:.3g}:{far:.3g}m`) or larger would show more of it"
+    return [
+        Remark(
+            "small_part_of_picture",
+            f"corners of the {len(reached)} boards reach {100 * left:.0f} % of the left picture and"
+            f" {100 * right:.0f} % of the right one: what lenses do in the rest is extrapolated, by a model"
+            f" that may not hold there; {way}",
+        )
+    ]
 
 
 def little_room(found: int) -> tuple[Remark, ...]:

@@ -11,12 +11,11 @@ from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.board import Board
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.calibrate.plan.asked import PlanAsked
+from rigsim.study.calibrate.plan.held import LEAST_SQUARE_PX as LEAST_SQUARE_PX
 from rigsim.study.calibrate.plan.held import drawn_poses, middle_of, smallest_square_px
 from rigsim.study.calibrate.plan.unreachable import out_of_reach
 from rigsim.theory.calibration.boards import BoardPoses, Chosen, whole
 
-LEAST_SQUARE_PX = 6.0
-"""Shortest side of a square, as it is seen, whose corners finders still find."""
 _MOST_OBLIQUE_RAD = math.radians(65)
 """Most between a board's normal and the line of sight, unless the tilt that was asked for is more."""
 _BATCH = 4096

@@ -14,7 +14,13 @@ from rigsim.study.calibrate.depths import depth_stds
 from rigsim.study.calibrate.plan.asked import PlanAsked
 from rigsim.study.calibrate.plan.choose import Picks, choose
 from rigsim.study.calibrate.plan.curve import LONG, PosePool, curve, holds, next_pose
-from rigsim.study.calibrate.plan.explain import check_shared, focal_openness, rim_openness, undetermined
+from rigsim.study.calibrate.plan.explain import (
+    check_shared,
+    focal_openness,
+    lens_coefficients,
+    rim_openness,
+    undetermined,
+)
 from rigsim.study.calibrate.plan.given import counted
 from rigsim.study.calibrate.plan.needed import pictures_needed
 from rigsim.study.calibrate.plan.odd import little_room, oddities
@@ -86,7 +92,7 @@ def plan_covariance(asked: PlanAsked, held: ReachedPoses, *, by_hand: bool = Fal
         raise undetermined(asked, held, ("the focal lengths",))
     distance_m = float(np.median(np.linalg.norm(held.poses.t, axis=1)))
     if rim_openness(found, distance_m) > _HARDLY_SHOWN:
-        raise undetermined(asked, held, ("the lens coefficients",))
+        raise undetermined(asked, held, lens_coefficients(asked))
     if parameters.warped or not asked.flatness_m:
         return found
     alone = _astray(found, held, warping, noise_px)

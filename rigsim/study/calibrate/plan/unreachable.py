@@ -9,7 +9,7 @@ import numpy as np
 
 from rigsim.errors import InvalidRange
 from rigsim.study.calibrate.plan.asked import PlanAsked
-from rigsim.study.calibrate.plan.held import facing
+from rigsim.study.calibrate.plan.held import LEAST_SQUARE_PX, facing
 from rigsim.theory.calibration.boards import BoardPoses
 
 Seen = Callable[[PlanAsked, BoardPoses], bool]
@@ -24,6 +24,15 @@ _GRID = (13, 9)
 def out_of_reach(asked: PlanAsked, seen: Seen) -> InvalidRange:
     """What to say of a board that never fits both views."""
     near, far = asked.reach.near_m, asked.reach.far_m
+    left, right = asked.rig.left, asked.rig.right
+    focal = min(float(np.min(np.abs(camera.axial_focal_px))) for camera in (left, right))
+    square_px = focal * asked.board.square_m / near
+    if square_px < LEAST_SQUARE_PX:
+        wanted = _rounded(asked.board.square_m * LEAST_SQUARE_PX / square_px * _ROOM)
+        return InvalidRange(
+            f"board {asked.board.text}: squares too small ({square_px:.2g} px at {near * 1e3:g} mm, finders"
+            f" need {LEAST_SQUARE_PX:g} px): take squares of {wanted * 1e3:g} mm, or hold it nearer"
+        )
     board = f"board {asked.board.text}"
     where = f"from {near * 1e3:g} to {far * 1e3:g} mm"
     ways = []
