@@ -111,7 +111,7 @@ def _suspects(result: CalibratedPictures) -> Iterator[Remark]:
         f" and their std from the calibration is {after} in the place of {before} mm"
     )
     if without.beyond_chance > _CHANGES:
-        text += f"; honest pairs move it {short(without.beyond_chance, 2)} times less"
+        text += f"; that is {short(without.beyond_chance, 2)} times what honest pairs do"
         few = result.pair_count - len(suspects) < _FEW_PAIRS
         text += ": " + (
             "the others are too few to tell which is right, take more"
