@@ -85,8 +85,8 @@ class WithoutSuspects:
     depth_std_m: tuple[float, float]
     """Depth std from the calibration there, with and without them, m."""
     beyond_chance: float
-    """The larger of both moves over its standard deviation for honest pairs, the root of what leaving them out
-    adds to the variance: about 1 for those."""
+    """The larger of both moves over its standard deviation for honest pairs, the root of what leaving them
+    out adds to the variance: about 1 for those."""
 
 
 def sort_out(ordered: Ordered, parameters: RigParameters, fix: Sequence[str]) -> Sorted:

@@ -25,6 +25,8 @@ _LOOSE = 0.01
 _NAMED = 6
 _CHANGES = 3.0
 """Times what honest pairs, left out, change a rig by in the mean."""
+_HARMS = 1.0
+"""Standard deviations that the rig moves by, from which that matters."""
 _LEAST_BASELINE_M, _MOST_BASELINE_M = 1e-3, 5.0
 """Baselines beyond are told: the board's unit is in question."""
 _OVER_HEAD_RAD = np.radians(150.0)
@@ -110,8 +112,9 @@ def _suspects(result: CalibratedPictures) -> Iterator[Remark]:
         f" {short(abs(1e3 * without.depth_shift_m), 2)} mm ({short(abs(without.depth_shift_stds), 2)} std),"
         f" and their std from the calibration is {after} in the place of {before} mm"
     )
-    if without.beyond_chance > _CHANGES:
-        text += f"; honest pairs move it {short(without.beyond_chance, 2)} times less"
+    harm = max(abs(without.baseline_stds), abs(without.depth_shift_stds))
+    if without.beyond_chance > _CHANGES and harm > _HARMS:
+        text += f"; that is {short(without.beyond_chance, 2)} times what honest pairs do"
         few = result.pair_count - len(suspects) < _FEW_PAIRS
         text += ": " + (
             "the others are too few to tell which is right, take more"
