@@ -57,8 +57,22 @@ def test_another_model_is_fitted_and_says_how_far_off() -> None:
 
 def test_a_model_too_narrow_for_the_rig_is_refused() -> None:
     wide = rigsim.Intrinsics(800, 800, 200.0, 200.0, 400.0, 400.0, KannalaBrandt())
-    with pytest.raises(InvalidRange, match="lens model brown: shows no picture as wide"):
+    with pytest.raises(InvalidRange, match=r"shows no picture as wide .*: --model kannala_brandt holds"):
         in_model(StereoRig.rectified(wide, 0.1), BrownConrady)
+
+
+def test_a_model_that_fits_too_far_names_one_that_does_better() -> None:
+    strong = rigsim.Intrinsics(800, 800, 400.0, 400.0, 399.5, 399.5, KannalaBrandt(0.08, -0.01))
+    rig = StereoRig.rectified(strong, 0.1)
+    _, (remark,) = in_model(rig, BrownConrady)
+    assert remark.text.endswith("trustworthy plan: --model kannala_brandt holds them exactly")
+    # of two lenses of two kinds no model need hold both, but one is the nearest
+    mixed = StereoRig(strong, replace(strong, lens=BrownConrady(-0.3, 0.1)), rig.right_from_left)
+    _, (remark,) = in_model(mixed, rigsim.FieldOfView)
+    _, (nearest,) = in_model(mixed, Rational)
+    rms = nearest.text.split(" px rms")[0].split()[-1]
+    assert float(rms) < 0.01
+    assert remark.text.endswith(f"--model rational fits them with {rms} px rms")
 
 
 def test_names_of_models() -> None:

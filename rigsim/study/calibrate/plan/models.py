@@ -14,7 +14,7 @@ from rigsim.rig.lens.distortion import BrownConrady
 from rigsim.rig.lens.kannala_brandt import KannalaBrandt
 from rigsim.rig.lens.lens import Lens
 from rigsim.rig.lens.rational import Rational
-from rigsim.rig.lens.registry import BY_NAME
+from rigsim.rig.lens.registry import ALL, BY_NAME
 from rigsim.rig.remark import Remark
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.export.approximate import FAMILIES, Fitted, nearest
@@ -63,13 +63,14 @@ def in_model(rig: StereoRig, model: type[Lens]) -> tuple[StereoRig, tuple[Remark
         title = own_model(rig).title
         raise InvalidRange(
             f"lens model {model.model}: shows no picture as wide as the rig's {title} lens does"
+            f"{_better(rig, model)}"
         )
     made = StereoRig(left.camera, right.camera, rig.right_from_left)
     largest = max(left.largest_px, right.largest_px)
     if largest == 0:
         return made, ()
     rms = max(left.rms_px, right.rms_px)
-    way_out = ", too much for a trustworthy plan: plan in another model" if rms > _A_LOT_PX else ""
+    way_out = f", too much for a trustworthy plan{_better(rig, model, rms)}" if rms > _A_LOT_PX else ""
     return made, (
         Remark(
             "lens_model",
@@ -77,6 +78,27 @@ def in_model(rig: StereoRig, model: type[Lens]) -> tuple[StereoRig, tuple[Remark
             f" at most{way_out}",
         ),
     )
+
+
+def _better(rig: StereoRig, model: type[Lens], rms_px: float = np.inf) -> str:
+    """The model that fits both lenses best, the simpler one of equals, as a way out."""
+    own = own_model(rig)
+    fits: list[tuple[float, str]] = []
+    # the rig's own is exact where both lenses are of it, and spares the others
+    for other in (own, *(each for each in ALL if each is not own)):
+        left, right = (
+            (None, None) if other is model else (_in_model(rig.left, other), _in_model(rig.right, other))
+        )
+        if left is None or right is None:
+            continue
+        fits.append((max(left.rms_px, right.rms_px), other.model))
+        if fits[-1][0] == 0:
+            break
+    best_px, name = min(fits, key=lambda fit: fit[0], default=(np.inf, ""))
+    if not best_px < rms_px:
+        return ", and no other model does better"
+    how = "holds them exactly" if best_px == 0 else f"fits them with {best_px:.2g} px rms"
+    return f": --model {name} {how}"
 
 
 def _bends_nothing(lens: Lens) -> bool:
