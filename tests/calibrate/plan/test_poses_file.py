@@ -68,6 +68,16 @@ def test_what_is_none_is_one_line_that_names_the_file(tmp_path: Path, text: str,
     assert len(str(told.value)) < 300 + len(str(path))
 
 
+def test_other_encodings_and_degrees_are_one_line(tmp_path: Path) -> None:
+    path = tmp_path / "poses.json"
+    path.write_bytes(json.dumps({"left_from_board": ROWS}).encode("utf-16"))
+    with pytest.raises(InvalidRange, match="not UTF-8 text"):
+        read_poses(path)
+    path.write_text(json.dumps({"left_from_board": [[20, -11, 6, 0, 0, 1]]}))
+    with pytest.raises(InvalidRange, match=r"rotation vector of 23\.6 rad.*degrees"):
+        read_poses(path)
+
+
 def test_a_file_that_is_not_there_is_said(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match=r"nofile\.json.*left_from_board"):
         read_poses(tmp_path / "nofile.json")
