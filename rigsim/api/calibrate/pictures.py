@@ -152,6 +152,23 @@ def calibrate_pictures(options: CalibrateOptions) -> CalibratedRig:
         InvalidRange: A value is out of bounds, pictures do not pair, or OpenCV cannot hold what is held.
         MeasurementFailed: Too few pairs show the board, or they leave the rig open.
         OutputError: A file cannot be read.
+
+    Example:
+        >>> import tempfile, pathlib, numpy as np, rigsim
+        >>> rig, board = rigsim.preset("oak-d").rig, rigsim.Board(9, 6, 0.03)
+        >>> held = rigsim.plan_calibration(rig, board=board, poses=8).plan.poses
+        >>> noise = np.random.default_rng(0)
+        >>> rows = ["picture,camera,corner,u_px,v_px"]
+        >>> for k, points in enumerate(held.points_left(board.points)):
+        ...     for camera, uv in zip(("left", "right"), rig.project(points)):
+        ...         uv = uv + 0.1 * noise.standard_normal(uv.shape)
+        ...         rows += [f"{k},{camera},{corner},{u},{v}" for corner, (u, v) in enumerate(uv)]
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     file = pathlib.Path(folder, "corners.csv")
+        ...     _ = file.write_text(chr(10).join(rows))
+        ...     found = rigsim.calibrate_pictures(corners=file, size=(1280, 800), board=board)
+        >>> round(found.rig.baseline_m * 1e3, 1), found.verdict
+        (75.0, 'agrees')
     """
     from rigsim.study.calibrate.pictures.asked import PicturesAsked
     from rigsim.study.calibrate.pictures.run import calibrate_pictures as run
