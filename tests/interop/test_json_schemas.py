@@ -50,6 +50,9 @@ WITHOUT_UNIT = {
     *("misfit", "parameter_ratio", "parameter_ratio_low", "parameter_ratio_high", "boards", "unfound"),
     *("across", "down", "gain", "correlation", "ratio", "ratio_low", "ratio_high"),  # shares, ratios
     "left_from_board",  # three rad, three m
+    *("leave_one_out_ratio", "chance", "beyond_chance"),  # ratios, a probability
+    *("corners", "std"),  # counts; of a parameter, which names its unit
+    *("baseline_shift_std", "depth_shift_std"),  # in standard deviations
     "seconds",
     "frames",
     "pixels",
