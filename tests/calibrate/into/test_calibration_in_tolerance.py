@@ -258,7 +258,10 @@ def test_a_file_in_place_of_a_class(capsys: pytest.CaptureFixture[str], file: Pa
     assert named["rig"] == said["rig"]
 
 
-def test_what_is_printed_and_drawn(capsys: pytest.CaptureFixture[str], file: Path, tmp_path: Path) -> None:
+def test_what_is_printed_and_drawn(
+    capsys: pytest.CaptureFixture[str], file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "100")
     assert run([*FEW, "--class", str(file), "--max-row-error", "0.3px", "--out", str(tmp_path / "out")]) == 0
     printed = capsys.readouterr()
     said = " ".join(printed.out.split())

@@ -110,7 +110,7 @@ def test_wide_lenses_are_reached_all_over() -> None:
         (
             Board(9, 6, 0.03),
             Reach(20, 30),
-            "never fits both views from 20000 to 30000 mm: hold it nearer, as at",
+            r"squares too small \(0\.62 px at 20000 mm, finders need 6 px\): take squares of 360 mm",
         ),
     ],
 )
