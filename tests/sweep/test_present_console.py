@@ -157,19 +157,6 @@ def test_only_the_last_words_wrap_and_only_between_words() -> None:
     assert lines[-2] == "bin               60  parts"
 
 
-def test_where_the_last_words_are_not_enough_other_columns_wrap_too() -> None:
-    target = console(40)
-    heads = ["change", "at 1 m", "at 2 m", "from"]
-    row = ["right lens refocused", "1.0 (4.8)", "2.0 (20)", "estimate"]
-    print_table("", heads, [row], numeric=[False, True, True, False], console=target)
-    assert isinstance(target.file, io.StringIO)
-    lines = target.file.getvalue().splitlines()
-    assert max(map(len, lines)) <= 40
-    columns = [line[:9].strip() for line in lines[2:5]]
-    assert columns == ["right", "lens", "refocused"]
-    assert sum(line.count("estimate") for line in lines) == 1
-
-
 def test_numbers_stand_right_even_when_they_are_text() -> None:
     target = console()
     print_table("", ["a", "f, px"], [["x", "900"], ["y", "1200.5"], ["z", "–"]], console=target)

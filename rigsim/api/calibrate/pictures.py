@@ -14,6 +14,7 @@ from rigsim.api.result import Result
 from rigsim.errors import InvalidRange
 from rigsim.rig import given
 from rigsim.rig.board import Board
+from rigsim.rig.noise import coordinate_noise_px
 from rigsim.rig.quantity import NOISE_PX
 from rigsim.rig.remark import Remark
 
@@ -39,7 +40,8 @@ class CalibrateOptions:
     fix: Iterable[str] = ()
     warp: bool = False
     at_m: float | Iterable[float] = (1.0, 2.0, 3.0, 5.0)
-    noise_px: float = NOISE_PX
+    noise_px: float | None = None
+    disparity_noise_px: float | None = None
     corners: Picture | Sequence[Picture] | None = None
     size: tuple[int, int] | None = None
     command: str = ""
@@ -141,7 +143,8 @@ def calibrate_pictures(options: CalibrateOptions) -> CalibratedRig:
         fix: What is not estimated: ``aspect``, ``k3``, ``tangential``, ``principal``, ...
         warp: Whether the board's warp is estimated as well.
         at_m: Depths that the depth error is told at, m.
-        noise_px: Standard deviation of one coordinate of a match when the rig measures, px.
+        noise_px: Standard deviation of one coordinate of a match when the rig measures, px; 0.25 by default.
+        disparity_noise_px: Standard deviation of a disparity, px, instead: sqrt(2) times as much.
         corners: Corners found elsewhere, in the place of pictures: a corners.vnl or a CSV table, or two.
         size: Width and height of the pictures, px, where only `corners` are given.
         command: What the files name as the command that made them.
@@ -175,12 +178,13 @@ def calibrate_pictures(options: CalibrateOptions) -> CalibratedRig:
 
     board = as_board(options.board)
     at_m = (options.at_m,) if isinstance(options.at_m, int | float) else tuple(options.at_m)
+    noise_px = coordinate_noise_px(options.noise_px, options.disparity_noise_px)
     asked = PicturesAsked(
         board,
         options.model,
         tuple(options.fix),
         tuple(sorted({given.real(z_m, "depth", InvalidRange) for z_m in at_m})),
-        given.real(options.noise_px, "noise", InvalidRange),
+        NOISE_PX if noise_px is None else given.real(noise_px, "noise", InvalidRange),
         options.warp,
     )
     return CalibratedRig(run(asked, _looked(options, board)), options.command)

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
 _GAP = 2
 _NARROWEST = 12
-_WIDE = 100
-"""Cells from which on a line a little too long reads better than more wrapped columns."""
 _NUMBER = re.compile(r"[-−+]?\d[\d,]*(\.\d+)?([eE][-+]?\d+)?|–")
 
 
@@ -36,8 +34,7 @@ def print_table(
 ) -> None:
     """Print a table with a heading, and an empty line after it.
 
-    Where the terminal is narrow the last column of words is wrapped, and where that is not enough the others
-    from the right, words before numbers; only between words.
+    Only the last column of words is wrapped when the terminal is narrow, and only between words.
 
     Args:
         title: heading; none when empty.
@@ -52,7 +49,12 @@ def print_table(
     texts = [[str(value) for value in row] for row in rows]
     heads = [column.split("\n") for column in columns]
     widths = column_widths(heads, texts)
-    _narrow(widths, heads, texts, numeric, console.width)
+    loose = max((i for i in range(len(columns)) if not numeric[i]), default=None)
+    excess = total_width(widths) - console.width
+    if loose is not None and excess > 0:
+        # words are not broken, and what stands beside them stays in line
+        longest = max((len(word) for row in texts for word in row[loose].split()), default=0)
+        widths[loose] = max(widths[loose] - excess, min(_NARROWEST, widths[loose]), longest)
 
     if title:
         say(console, title, "bold")
@@ -63,15 +65,15 @@ def print_table(
         say(console, _line(cells, widths, numeric), "bold")
     say(console, ("─" if console.is_terminal else "-") * min(total_width(widths), console.width), "dim")
     for row in texts:
-        # words are not broken, and what stands beside them stays in line; a column may be empty, head and all
-        parts = [
-            textwrap.wrap(text, max(width, 1), break_long_words=False, break_on_hyphens=False)
-            if cell_len(text) > width
-            else [text]
-            for text, width in zip(row, widths, strict=True)
-        ]
-        for k in range(max(map(len, parts), default=0)):
-            say(console, _line([part[k] if k < len(part) else "" for part in parts], widths, numeric))
+        wrapped = list(row)
+        more: list[str] = []
+        if loose is not None:
+            width = max(widths[loose], 1)  # a column may be empty, head and all
+            parts = textwrap.wrap(row[loose], width, break_long_words=False, break_on_hyphens=False)
+            wrapped[loose], more = (parts[0], parts[1:]) if parts else ("", [])
+        say(console, _line(wrapped, widths, numeric))
+        for part in more:
+            say(console, _line([part if i == loose else "" for i in range(len(row))], widths, numeric))
     console.print()
 
 
@@ -109,26 +111,6 @@ def column_widths(heads: Sequence[Sequence[str]], rows: Sequence[Sequence[str]])
 def total_width(widths: Sequence[int]) -> int:
     """Cells of a line with columns of `widths`, the gaps included."""
     return sum(widths) + _GAP * max(len(widths) - 1, 0)
-
-
-def _narrow(
-    widths: list[int],
-    heads: Sequence[Sequence[str]],
-    texts: Sequence[Sequence[str]],
-    numeric: Sequence[bool],
-    room: int,
-) -> None:
-    """Make columns narrower until a line fits into `room` cells, or no cell can be wrapped any more."""
-    by_turn = sorted(range(len(widths)), key=lambda i: (numeric[i], -i))
-    for turn, i in enumerate(by_turn):
-        excess = total_width(widths) - room
-        if excess <= 0 or (turn and room >= _WIDE):
-            return
-        longest = max((cell_len(word) for row in texts for word in row[i].split()), default=0)
-        head = max((cell_len(part) for part in heads[i]), default=0)
-        # the last words may be narrower than their head
-        least = min(_NARROWEST, widths[i]) if turn == 0 and not numeric[i] else head
-        widths[i] = max(widths[i] - excess, least, longest)
 
 
 def _line(cells: Sequence[str], widths: Sequence[int], numeric: Sequence[bool]) -> str:
