@@ -101,8 +101,12 @@ class Board:
     def warp_shape(self) -> Array:
         """Rise along z (rows * cols, 2) per metre of each of the two warps: a parabola, 1 in the middle."""
         y, x = np.mgrid[: self.rows, : self.cols]
-        across, down = 2 * x.ravel() / (self.cols - 1) - 1, 2 * y.ravel() / (self.rows - 1) - 1
-        return np.column_stack([1 - across**2, 1 - down**2])
+        return self.warp_shape_at(x.ravel() * self.square_m, y.ravel() * self.square_m)
+
+    def warp_shape_at(self, x_m: Array, y_m: Array) -> Array:
+        """The same (..., 2) anywhere on the board, also beside its corners."""
+        width, height = self.size_m
+        return np.stack([1 - (2 * x_m / width - 1) ** 2, 1 - (2 * y_m / height - 1) ** 2], axis=-1)
 
     @property
     def outline(self) -> Array:

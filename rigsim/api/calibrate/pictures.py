@@ -8,7 +8,7 @@ from dataclasses import KW_ONLY, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from rigsim.api.calibrate.plan import as_board
+from rigsim.api.calibrate.options import as_board
 from rigsim.api.kit.plain import takes
 from rigsim.api.result import Result
 from rigsim.errors import InvalidRange

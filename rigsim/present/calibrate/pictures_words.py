@@ -83,8 +83,7 @@ def noise_sentence(result: CalibratedPictures) -> str:
     beside = f"; their own fits claim {number(claimed)} px" if math.isfinite(claimed) else ""
     return (
         f"Corner noise {number(result.fit.noise_px)} px a coordinate, from the residuals with what was"
-        " estimated taken"
-        f" off{beside}. Every std is at that noise."
+        f" estimated taken off{beside}. Every std is at that noise."
     )
 
 
@@ -105,8 +104,7 @@ def depth_sentence(result: CalibratedPictures) -> str:
     row = rows[-1]
     return (
         f"At {plain(row.z_m)} m on the axis the calibration leaves {length(row.calibration_m)} of depth std,"
-        " pixel"
-        f" noise of {plain(result.asked.noise_px)} px {length(row.observation_m)}, both together"
+        f" pixel noise of {plain(result.asked.noise_px)} px {length(row.observation_m)}, both together"
         f" {length(row.joint_m)}."
     )
 

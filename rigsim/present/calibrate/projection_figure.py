@@ -66,9 +66,5 @@ def _draw(axes: Axes, found: ProjectionMap, ends: tuple[float, float]) -> QuadMe
         norm=LogNorm(ends[0], max(ends[1], ends[0] * 1.001)),
         rasterized=True,
     )
-    axes.set_facecolor(style.LIGHT_GREY)
-    axes.invert_yaxis()
-    axes.set_xticks([])
-    axes.set_yticks([])
-    axes.grid(visible=False)
+    style.show_as_picture(axes)
     return mesh

@@ -77,6 +77,15 @@ _RC: dict[Any, Any] = {
 }
 
 
+def show_as_picture(axes: Axes) -> None:
+    """Rows down, no ticks, grey where there is nothing: what a map over a picture looks like."""
+    axes.set_facecolor(LIGHT_GREY)
+    axes.invert_yaxis()
+    axes.set_xticks([])
+    axes.set_yticks([])
+    axes.grid(visible=False)
+
+
 def heat_map() -> Colormap:
     """Colour map of fields and points: viridis without its palest end, which is lost on white paper."""
     return ListedColormap(matplotlib.colormaps["viridis"](np.linspace(0.0, 0.93, 256)), "rigsim")

@@ -89,11 +89,7 @@ def _draw(
         vmax=high,
         rasterized=True,
     )
-    axes.set_facecolor(style.LIGHT_GREY)
-    axes.invert_yaxis()
-    axes.set_xticks([])
-    axes.set_yticks([])
-    axes.grid(visible=False)
+    style.show_as_picture(axes)
     axes.set_title(title, fontsize=9, pad=3, linespacing=1.15)
     bar_axes = style.place(figure, left + width + 0.06, bottom, 0.09, height)
     bar = figure.colorbar(mesh, cax=bar_axes, ticks=[low, high])

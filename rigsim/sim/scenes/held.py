@@ -72,8 +72,7 @@ def _sheet(board: Board) -> str:
     x = np.linspace(-rim, width + rim, _NODES * (board.cols + 3) + 1)
     y = np.linspace(-rim, height + rim, _NODES * (board.rows + 3) + 1)
     across, down = np.meshgrid(x, y)
-    rise = board.warp_m[0] * (1 - (2 * across / width - 1) ** 2)
-    rise += board.warp_m[1] * (1 - (2 * down / height - 1) ** 2)
+    rise = board.warp_shape_at(across, down) @ np.array(board.warp_m)
     points = np.stack([across - width / 2, down - height / 2, rise], axis=-1) @ _GEOM_FROM_BOARD
     places = np.stack([(across + rim) / (width + 2 * rim), (down + rim) / (height + 2 * rim)], axis=-1)
     node = np.arange(across.size).reshape(across.shape)

@@ -11,6 +11,7 @@ import numpy as np
 
 from rigsim.interop.documents.base import RemarkPart, Written, finite
 from rigsim.interop.documents.calibrate.covariance import camera_part, covariance_part
+from rigsim.interop.documents.calibrate.depths import axis_depths, place_depths
 from rigsim.interop.documents.calibrate.pictures_models import (
     CalibratedCamera,
     CalibratedPose,
@@ -21,8 +22,6 @@ from rigsim.interop.documents.calibrate.pictures_models import (
     OpencvRig,
     PicturesDocument,
 )
-from rigsim.interop.documents.calibrate.plan_models import PlanDepth, PlanDepthPlace
-from rigsim.study.calibrate.depths import DepthStd
 from rigsim.study.calibrate.pictures.result import CalibratedPictures, PictureCheck
 
 
@@ -58,8 +57,8 @@ def pictures_document(
         right=_camera(result, 1),
         right_from_left=_pose(result),
         pictures=[_picture(check, says) for check in result.pictures],
-        depth_std=[PlanDepth(**_depth(row)) for row in result.depths if row.place == "axis"],
-        depth_std_places=[_place(row) for row in result.depths],
+        depth_std=axis_depths(result.depths),
+        depth_std_places=place_depths(result.depths),
         warp=_warp(result),
         opencv=OpencvRig(
             rms_px=result.opencv.rms_px,
@@ -115,22 +114,6 @@ def _picture(check: PictureCheck, says: PicturesSays) -> CalibrationPicture:
         reason=check.reason,
         says=says.picture(check),
         corners=list(check.corners),
-    )
-
-
-def _depth(row: DepthStd) -> dict[str, float]:
-    return {
-        "z_m": row.z_m,
-        "calibration_mm": row.calibration_m * 1e3,
-        "observation_mm": row.observation_m * 1e3,
-        "joint_mm": row.joint_m * 1e3,
-    }
-
-
-def _place(row: DepthStd) -> PlanDepthPlace:
-    in_camera_mm = row.in_camera_m * 1e3
-    return PlanDepthPlace.model_validate(
-        {**_depth(row), "place": row.place, "calibration_from_camera_mm": in_camera_mm}
     )
 
 

@@ -11,11 +11,10 @@ import numpy as np
 
 from rigsim.interop.documents.base import RemarkPart, Written, finite, seen_rig
 from rigsim.interop.documents.calibrate.covariance import covariance_part
+from rigsim.interop.documents.calibrate.depths import axis_depths, place_depths
 from rigsim.interop.documents.calibrate.plan_models import (
     PlanBoard,
     PlanCurve,
-    PlanDepth,
-    PlanDepthPlace,
     PlanDocument,
     PlanDrift,
     PlanDriftDepth,
@@ -34,7 +33,6 @@ from rigsim.interop.documents.calibrate.plan_models import (
 from rigsim.interop.documents.text import clean
 from rigsim.rig.remark import Remark
 from rigsim.study.agreement.agreement import Agreement
-from rigsim.study.calibrate.depths import DepthStd
 from rigsim.study.calibrate.drift import Drift, drift
 from rigsim.study.calibrate.enough import enough
 from rigsim.study.calibrate.estimated import estimates
@@ -96,8 +94,8 @@ def plan_document(plan: CalibrationPlan, says: PlanSays, told: PlanTold) -> dict
         rig=seen_rig(asked.rig),
         board=PlanBoard(text=board.text, columns=board.cols, rows=board.rows, square_mm=square_mm),
         asked=_request(plan),
-        depth_std=[PlanDepth(**_depth(row)) for row in plan.depths if row.place == "axis"],
-        depth_std_places=[_depth_place(row) for row in plan.depths],
+        depth_std=axis_depths(plan.depths),
+        depth_std_places=place_depths(plan.depths),
         pictures=len(plan.poses),
         pictures_needed=needed.count,
         hindrance=needed.hindrance,
@@ -171,22 +169,6 @@ def _request(plan: CalibrationPlan) -> PlanRequest:
         lens_models=[None if lens is None else lens.model for lens in parameters.lenses],
         held=[name for name in parameters.names if name not in free],
         seed=asked.seed,
-    )
-
-
-def _depth(row: DepthStd) -> dict[str, float]:
-    return {
-        "z_m": row.z_m,
-        "calibration_mm": row.calibration_m * 1e3,
-        "observation_mm": row.observation_m * 1e3,
-        "joint_mm": row.joint_m * 1e3,
-    }
-
-
-def _depth_place(row: DepthStd) -> PlanDepthPlace:
-    in_camera_mm = row.in_camera_m * 1e3
-    return PlanDepthPlace.model_validate(
-        {**_depth(row), "place": row.place, "calibration_from_camera_mm": in_camera_mm}
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -17,11 +17,11 @@ from rigsim.rig.board import LEAST, Board
 from rigsim.rig.remark import Remark
 from rigsim.study.calibrate.pictures.pairs import PicturePair
 from rigsim.study.calibrate.pictures.sightings import Sightings, Size
+from rigsim.study.calibrate.progress import Stage
 
 Seen: TypeAlias = Literal["found", "not_found", "unreadable", "several"]
 """What came of looking at one picture: a board, none, no picture, or more than one such board."""
 _Both: TypeAlias = tuple[BoardCorners | None, BoardCorners | None]
-Stage: TypeAlias = Callable[[str, int, int], None]
 _HINTS = ((-1, -1), (1, 1), (-1, 0), (0, -1))
 """What may be counted wrong: squares in the place of corners, mostly."""
 _LOOKED_AT = 3
@@ -60,8 +60,7 @@ class _Sizes:
             camera = ("left", "right")[side]
             raise InvalidImage(
                 f"{file}: {size[0]}x{size[1]} px, but {known[1]} has {known[0][0]}x{known[0][1]}: pictures"
-                " of the"
-                f" {camera} camera must all be of one size; leave out those of the other"
+                f" of the {camera} camera must all be of one size; leave out those of the other"
             )
 
 
@@ -116,13 +115,9 @@ def look(board: Board, pairs: Sequence[PicturePair], told: Stage | None = None) 
 def _one(board: Board, file: str, side: int, sizes: _Sizes) -> tuple[BoardCorners | None, Seen]:
     try:
         image = read_image(file)
-        sizes.check(side, (image.shape[1], image.shape[0]), file)
-    except OutputError:
+    except (OutputError, InvalidImage):
         return None, "unreadable"
-    except InvalidImage as error:
-        if "must all be of one size" in str(error):
-            raise
-        return None, "unreadable"
+    sizes.check(side, (image.shape[1], image.shape[0]), file)
     return _board_in(board, image)
 
 
@@ -166,8 +161,7 @@ def _turned(board: Board, sightings: Sightings) -> tuple[Remark, ...]:
     remark = Remark(
         "board_turned",
         f"board {board.cols}x{board.rows}: both ways were tried; the pictures show it lying, {board.rows}"
-        " corners"
-        f" across: {board.rows}x{board.cols} is the same board, and gives the same rig",
+        f" corners across: {board.rows}x{board.cols} is the same board, and gives the same rig",
     )
     return (remark,)
 
@@ -206,7 +200,6 @@ def _refuse_others(board: Board, pairs: Sequence[PicturePair], found: Sequence[_
             if others:
                 raise MeasurementFailed(
                     f"no picture shows a board of {board.cols}x{board.rows} inner corners, but {pair.left}"
-                    " one"
-                    f" of {cols}x{rows}: count inner corners, one fewer than squares, and give"
+                    f" one of {cols}x{rows}: count inner corners, one fewer than squares, and give"
                     f" --board {cols}x{rows}@..."
                 )

@@ -196,6 +196,6 @@ def _refuse_mirrored(
     if votes.count >= 0.75 * len(pairs):
         raise InvalidImage(
             f"left and right pictures are mirrored against each other: {votes.count} of {len(pairs)} pairs"
-            " agree"
-            " on a rig once one camera's are flipped; flip them back, or turn the camera's mirroring off"
+            " agree on a rig once one camera's are flipped; flip them back, or turn the camera's mirroring"
+            " off"
         )

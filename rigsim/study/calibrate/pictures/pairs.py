@@ -70,8 +70,7 @@ def paired(groups: Sequence[Sequence[str]]) -> Paired:
         if len(folders) != 2:
             raise InvalidRange(
                 f"{PurePath(files[0]).name} and {len(files) - 1} more: nothing in their names tells left"
-                " from right:"
-                " give two folders or two patterns, as 'a/*.png' 'b/*.png', left first"
+                " from right: give two folders or two patterns, as 'a/*.png' 'b/*.png', left first"
             )
         sides = (
             [file for file in files if str(PurePath(file).parent) == folders[0]],
@@ -81,8 +80,7 @@ def paired(groups: Sequence[Sequence[str]]) -> Paired:
     if not found.pairs:
         raise InvalidRange(
             f"{len(sides[0])} left and {len(sides[1])} right pictures: no two have the same number in their"
-            " names:"
-            " name them alike, as left01.png and right01.png"
+            " names: name them alike, as left01.png and right01.png"
         )
     return found
 

@@ -136,10 +136,9 @@ def _numbers(result: CalibratedPictures) -> Iterator[Remark]:
     if np.isfinite(claimed) and found > _NOISIER * claimed:
         text = (
             f"corners are {short(found / claimed, 2)} times as far off ({short(found)} px) as their fits"
-            " claim"
-            f" ({short(claimed)} px): more than noise is left, as of a board that is not flat or squares"
-            " that are not"
-            " true, a lens that the model does not reach, or motion; every std here is at what was found"
+            f" claim ({short(claimed)} px): more than noise is left, as of a board that is not flat or"
+            " squares that are not true, a lens that the model does not reach, or motion; every std here is"
+            " at what was found"
         )
         yield Remark("noisier_than_claimed", text)
 
@@ -152,8 +151,7 @@ def _rig(result: CalibratedPictures) -> Iterator[Remark]:
     if loose > _LOOSE * focal:
         text = (
             f"the pictures hardly tell the focal length, {short(focal, 4)} +- {short(loose, 2)} px: tilt the"
-            " board"
-            " some 30 degrees both ways, and bring it near"
+            " board some 30 degrees both ways, and bring it near"
         )
         yield Remark("focal_loose", text)
     for side, found, other in (
@@ -177,8 +175,7 @@ def _rig(result: CalibratedPictures) -> Iterator[Remark]:
     if min(shares) < _COVERED:
         text = (
             f"corners reached {short(100 * shares[0], 2)} % of the left and {short(100 * shares[1], 2)} % of"
-            " the right"
-            " picture: elsewhere the lens is extrapolated; hold the board there too"
+            " the right picture: elsewhere the lens is extrapolated; hold the board there too"
         )
         yield Remark("coverage", text)
 
@@ -223,8 +220,7 @@ def _board(result: CalibratedPictures) -> Iterator[Remark]:
         else:
             text = (
                 f"the board may not be flat: the middle of its sides would rise by {rise} along x and y;"
-                " --warp counts"
-                " it, a stiff board is better"
+                " --warp counts it, a stiff board is better"
             )
         yield Remark("warp", text)
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import chi2
 
 from rigsim.errors import InvalidImage, MeasurementFailed
 from rigsim.pixels.calibration.stereo import LEAST_BOARDS
@@ -109,7 +109,7 @@ def warp_check(fit: PicturesFit) -> WarpCheck:
         return nothing
     square = float(rise @ np.linalg.solve(C, rise))
     std = np.sqrt(np.diagonal(C))
-    chance = float(chi2.sf(square, 2))
+    chance = math.exp(-square / 2)  # chi-squared of two degrees
     return WarpCheck((float(rise[0]), float(rise[1])), (float(std[0]), float(std[1])), chance)
 
 
@@ -124,9 +124,8 @@ def _check_count(sightings: Sightings) -> None:
         alone = sightings.cameras.sum(axis=0)
         raise MeasurementFailed(
             f"{both} pair(s) show the board in both pictures ({alone[0]} in the left, {alone[1]} in the"
-            " right alone"
-            f" or with it): must be >= {LEAST_BOARDS}, and some ten with the board held differently are"
-            " worth having"
+            f" right alone or with it): must be >= {LEAST_BOARDS}, and some ten with the board held"
+            " differently are worth having"
         )
 
 
@@ -160,8 +159,7 @@ def _covariance(fit: PicturesFit) -> CalibrationCovariance:
     if not np.isfinite(fit.noise_px):
         raise MeasurementFailed(
             f"{len(fit.sightings)} pairs have too few corners for what is looked for: give more pictures, or"
-            " hold"
-            " some of it (--fix k3,aspect)"
+            " hold some of it (--fix k3,aspect)"
         )
     try:
         return fit.covariance
@@ -169,8 +167,7 @@ def _covariance(fit: PicturesFit) -> CalibrationCovariance:
         names = ", ".join(error.names[:4])
         raise MeasurementFailed(
             f"the pictures leave open: {names}: tilt the board some 30 degrees both ways, bring it near and"
-            " into"
-            " the corners, or hold them (--fix)"
+            " into the corners, or hold them (--fix)"
         ) from None
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +14,7 @@ from rigsim.rig.arrays import Array, Mask
 from rigsim.rig.sensor import Sensor
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.agreement.agreement import Agreement
+from rigsim.study.calibrate.progress import Stage
 from rigsim.study.calibrate.witness.bench import CalibrationBench
 from rigsim.study.calibrate.witness.conclude import Calibrated, Met, conclude
 from rigsim.study.calibrate.witness.judge import MEASURED
@@ -24,9 +24,6 @@ from rigsim.theory.calibration.adjust import adjust
 from rigsim.theory.calibration.boards import BoardPoses
 from rigsim.theory.calibration.covariance import Undetermined
 from rigsim.theory.calibration.parameters import RigParameters
-
-Stage = Callable[[str, int, int], None]
-"""Told of what things, how many are done, of how many."""
 
 
 def measure_calibrations(

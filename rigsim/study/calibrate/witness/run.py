@@ -10,8 +10,9 @@ from rigsim.errors import InvalidRange
 from rigsim.rig.board import Board
 from rigsim.rig.stereo import StereoRig
 from rigsim.study.calibrate.plan.result import CalibrationPlan
+from rigsim.study.calibrate.progress import Stage
 from rigsim.study.calibrate.witness.bench import CalibrationBench
-from rigsim.study.calibrate.witness.measured import Stage, measure_calibrations
+from rigsim.study.calibrate.witness.measured import measure_calibrations
 from rigsim.study.calibrate.witness.result import CalibrationWitness
 from rigsim.study.calibrate.witness.simulated import simulate_calibrations
 
